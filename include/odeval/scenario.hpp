@@ -1,0 +1,88 @@
+#pragma once
+// What is simulated and with which settings: one TOML file, checked, with the command line on top.
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "odeval/problem.hpp"
+
+namespace odeval {
+
+/// A uniform box. `width` lies in the plane of swing, `depth` along the hinge.
+struct Link {
+  double mass_kg = 0;
+  double length_m = 0;
+  double width_m = 0;
+  double depth_m = 0;
+
+  /// Moment of inertia about the centre for rotation in the plane, kg m² (report, D.1).
+  double inertia_kgm2() const { return mass_kg * (length_m * length_m + width_m * width_m) / 12.0; }
+};
+
+/// A flat wall that fills x <= face (world frame, the hinge is at x = 1 as in the report).
+struct Wall {
+  double face_m = 0;
+  double restitution = 1;
+};
+
+enum class Start { as_given, half_step };
+
+/// ODE's own settings. Every one is set explicitly in each world, so no default of a build shows through.
+struct OdeSettings {
+  double erp = 0.2;
+  double cfm = 1e-5;
+  int iterations = 20;
+  double sor_w = 1.3;
+  std::optional<double> bounce;  // absent: the wall's restitution
+  double bounce_vel = 0;
+  double max_correcting_vel = std::numeric_limits<double>::infinity();
+  double surface_layer = 0;
+  Start start = Start::as_given;
+  std::uint32_t seed = 0;
+};
+
+/// A promise about one metric of one method, enforced by `odeval check`.
+struct Tolerance {
+  std::string method;
+  std::string metric;
+  double until_s = 0;
+  std::optional<double> at_most;
+  std::optional<double> at_least;
+};
+
+struct Scenario {
+  std::string name;  // stem of the file; names the result folder
+  std::string file;  // where it was read, for messages
+  const Problem* problem = nullptr;
+  double duration_s = 0;
+  double step_s = 1e-3;
+  std::optional<double> sample_s;  // absent: a row every step
+  double gravity = 9.81;           // m/s², along -z
+  std::vector<double> q0;          // rad; q1 from the horizontal, the others relative to the link before
+  std::vector<double> qd0;         // rad/s
+  std::vector<Link> links;
+  std::optional<Wall> wall;
+  OdeSettings ode;
+  std::optional<double> rtol;  // absent: each adaptive method's own default
+  std::optional<double> atol;
+  std::vector<std::string> methods;
+  std::vector<Tolerance> tolerances;
+};
+
+/// The rows of a trace: row k stands at time(k) = k * stride * step, computed by multiplication.
+/// The last row is the first at or after the duration, up to rounding.
+struct SampleGrid {
+  double step_s = 0;
+  long stride = 1;  // steps between rows
+  long rows = 1;    // including t = 0
+
+  long steps() const { return (rows - 1) * stride; }
+  double time(long row) const { return static_cast<double>(row * stride) * step_s; }
+};
+
+/// Throws UserError when the spacing of rows is no whole number of steps.
+SampleGrid sample_grid(const Scenario& scenario);
+
+}  // namespace odeval

@@ -1,0 +1,36 @@
+#pragma once
+// What a run yields: columns over time, the same for every method.
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace odeval {
+
+using Column = std::vector<double>;
+
+/// Columns of one link, world frame; units as in BodyState.
+struct BodyColumns {
+  std::array<Column, 3> position;
+  std::array<Column, 9> rotation;  // by rows
+  std::array<Column, 3> velocity;
+  std::array<Column, 3> spin;
+  std::array<Column, 3> joint_force;
+};
+
+/// K samples of n links. All columns have K rows.
+struct Trace {
+  Column t;                         // s
+  std::vector<Column> q;            // n columns, rad, unwrapped
+  std::vector<Column> qd;           // n columns, rad/s
+  Column kinetic;                   // J
+  Column potential;                 // J, 0 with all centres at the first hinge's height
+  Column gap;                       // m, largest distance between the two anchors of a joint
+  Column out_of_plane;              // m, largest distance of a body from the plane of motion
+  std::vector<Column> error_q;      // n columns, rad, against the reference; empty without one
+  Column contacts;                  // contact joints in the step that led to the row
+  std::vector<BodyColumns> bodies;  // n, or none in generalized coordinates
+
+  std::size_t rows() const { return t.size(); }
+};
+
+}  // namespace odeval
