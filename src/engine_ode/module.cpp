@@ -1,0 +1,37 @@
+#include "engine_ode/module.hpp"
+
+#include <ode/ode.h>
+#include <ode/version.h>
+
+#include <string>
+
+#include "engine_ode/library.hpp"
+#include "engine_ode/pendulum_simulation.hpp"
+#include "odeval/error.hpp"
+
+#if defined(dIDESINGLE)
+#define ODEVAL_ENTRY odeval_ode_single
+#define ODEVAL_PRECISION "single"
+#else
+#define ODEVAL_ENTRY odeval_ode_double
+#define ODEVAL_PRECISION "double"
+#endif
+
+namespace odeval::engine_ode {
+
+extern "C" __attribute__((visibility("default"))) const Module& ODEVAL_ENTRY() {
+  static const Module module = [] {
+    use_library();
+    // The token is the library's word, the size the headers': a mix of the two would compute garbage in silence.
+    const std::size_t bytes = std::string_view(ODEVAL_PRECISION) == "double" ? sizeof(double) : sizeof(float);
+    if (dCheckConfiguration("ODE_" ODEVAL_PRECISION "_precision") == 0 || sizeof(dReal) != bytes) {
+      throw MachineError("the ODE library of the " ODEVAL_PRECISION "-precision module is not " ODEVAL_PRECISION
+                         " precision: " +
+                         std::string(dGetConfiguration()));
+    }
+    return Module{ODEVAL_PRECISION, sizeof(dReal), dODE_VERSION, dGetConfiguration(), &make_step, &make_quickstep};
+  }();
+  return module;
+}
+
+}  // namespace odeval::engine_ode

@@ -1,0 +1,26 @@
+#pragma once
+// What one precision's build of the ODE adapter offers. The adapter is compiled twice, into two shared modules that
+// hide every symbol but one function, since both precisions of ODE use the same names. No ODE type crosses this line.
+#include <cstddef>
+
+#include "odeval/method.hpp"
+
+namespace odeval::engine_ode {
+
+struct Module {
+  const char* precision;          // "double" or "single", as the linked library says of itself
+  std::size_t real_bytes;         // sizeof(dReal)
+  const char* version;            // ODE's own
+  const char* configuration;      // ODE's configuration tokens
+  MakeSimulation make_step;       // dWorldStep
+  MakeSimulation make_quickstep;  // dWorldQuickStep
+};
+
+/// The modules of this build. Each checks on first use that headers and library have its precision and throws
+/// MachineError when they do not.
+extern "C" {
+__attribute__((visibility("default"))) const Module& odeval_ode_double();
+__attribute__((visibility("default"))) const Module& odeval_ode_single();
+}
+
+}  // namespace odeval::engine_ode

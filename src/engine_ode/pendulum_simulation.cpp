@@ -1,0 +1,147 @@
+// Steps a pendulum scene and records it: the timed loop.
+#include "engine_ode/pendulum_simulation.hpp"
+
+#include <ode/ode.h>
+
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include "engine_ode/library.hpp"
+#include "engine_ode/pendulum_scene.hpp"
+#include "odeval/error.hpp"
+
+namespace odeval::engine_ode {
+namespace {
+
+using StepFunction = int (*)(dWorldID, dReal);
+
+class PendulumSimulation final : public Simulation {
+ public:
+  PendulumSimulation(const Scenario& scenario, const SampleGrid& grid, StepFunction step)
+      : scenario_(scenario), grid_(grid), step_(step), scene_(scenario) {
+    impacts_.reserve(1024);
+  }
+
+  Outcome run(Rows* rows) override {
+    Outcome outcome;
+    const long messages_before = message_count();
+    dRandSetSeed(scenario_.ode.seed);  // one seed a process, which QuickStep draws from
+    if (rows != nullptr) record(*rows);
+    try {
+      for (long row = 1; row < grid_.rows; ++row) {
+        for (long k = 0; k < grid_.stride; ++k) {
+          if (scenario_.wall) {
+            step_with_wall(outcome.steps);
+          } else {
+            step_(scene_.world(), static_cast<dReal>(grid_.step_s));
+          }
+          ++outcome.steps;
+          if (!finite()) throw Fault("a velocity left the finite numbers, or its square would");
+        }
+        if (rows == nullptr) continue;
+        record(*rows);
+        if (row == 1) copy_forces_to_start(*rows);
+      }
+    } catch (const Fault& fault) {
+      outcome.diverged = true;
+      outcome.reason = fault.what() + std::string(" in the step from t = ") +
+                       std::to_string(static_cast<double>(outcome.steps) * grid_.step_s) + " s";
+      scene_.abandon();
+    }
+    outcome.messages = message_count() - messages_before;
+    outcome.impacts = std::move(impacts_);
+    return outcome;
+  }
+
+ private:
+  // An impact is a run of steps with contacts; its first step carries the bounce.
+  void step_with_wall(long steps_done) {
+    scene_.collide();
+    const bool first_touch = scene_.contacts() > 0 && !touching_;
+    touching_ = scene_.contacts() > 0;
+    if (first_touch) {
+      impacts_.push_back({static_cast<double>(steps_done) * grid_.step_s, angle(), rate(), 0, scene_.depth()});
+    }
+    step_(scene_.world(), static_cast<dReal>(grid_.step_s));
+    scene_.clear_contacts();
+    if (first_touch) impacts_.back().qd_after = rate();
+  }
+
+  // Positions follow velocities, so these are enough. The squares must stay finite as well: energies hold them.
+  bool finite() const {
+    double sum = 0;
+    for (const BodyView& body : scene_.bodies()) {
+      for (int k = 0; k < 3; ++k) {
+        const double velocity = body.velocity[k];
+        const double spin = body.spin[k];
+        sum += velocity * velocity + spin * spin;
+      }
+    }
+    return sum < 1e290;
+  }
+
+  void record(Rows& rows) const {
+    double* row = rows.append();
+    for (const BodyView& body : scene_.bodies()) {
+      for (int k = 0; k < 3; ++k) *row++ = body.position[k];
+      for (int k = 0; k < 12; ++k) {
+        if (k % 4 != 3) *row++ = body.rotation[k];
+      }
+      for (int k = 0; k < 3; ++k) *row++ = body.velocity[k];
+      for (int k = 0; k < 3; ++k) *row++ = body.spin[k];
+      for (int k = 0; k < 3; ++k) *row++ = body.joint_force[k];
+    }
+    *row = scene_.contacts();
+  }
+
+  // No step led to t = 0: its row shows the first recorded force instead of a zero nobody measured.
+  void copy_forces_to_start(Rows& rows) const {
+    for (std::size_t i = 0; i < scene_.bodies().size(); ++i) {
+      const std::size_t force = i * body_numbers + offsetof(BodyState, joint_force) / sizeof(double);
+      for (std::size_t k = 0; k < 3; ++k) rows.row(0)[force + k] = rows.row(1)[force + k];
+    }
+  }
+
+  /// q1 of a link that a wall keeps within half a turn of the direction away from it.
+  double angle() const {
+    const PlanarFrame& frame = scenario_.problem->frame;
+    const dReal* r = scene_.bodies().front().rotation;
+    Vec3 along{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j) along[i] += static_cast<double>(r[4 * i + j]) * frame.along_body[j];
+    }
+    const double turn = 2 * std::numbers::pi;
+    return std::atan2(dot(along, frame.up), dot(along, frame.horizontal)) + turn * std::round(scenario_.q0[0] / turn);
+  }
+
+  double rate() const {
+    const dReal* spin = scene_.bodies().front().spin;
+    return dot({spin[0], spin[1], spin[2]}, scenario_.problem->frame.axis());
+  }
+
+  Scenario scenario_;
+  SampleGrid grid_;
+  StepFunction step_;
+  PendulumScene scene_;
+  std::vector<Impact> impacts_;
+  bool touching_ = false;
+};
+
+std::unique_ptr<Simulation> make(const Scenario& scenario, const SampleGrid& grid, StepFunction step) try {
+  return std::make_unique<PendulumSimulation>(scenario, grid, step);
+} catch (const Fault& fault) {
+  throw MachineError("scenario '" + scenario.name + "' can not be built: " + fault.what());
+}
+
+}  // namespace
+
+std::unique_ptr<Simulation> make_step(const Scenario& scenario, const SampleGrid& grid) {
+  return make(scenario, grid, &dWorldStep);
+}
+
+std::unique_ptr<Simulation> make_quickstep(const Scenario& scenario, const SampleGrid& grid) {
+  return make(scenario, grid, &dWorldQuickStep);
+}
+
+}  // namespace odeval::engine_ode
