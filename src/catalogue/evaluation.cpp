@@ -1,0 +1,61 @@
+#include "catalogue/evaluation.hpp"
+
+#include <ctime>
+
+#include "measure/cartesian_trace.hpp"
+#include "measure/metrics.hpp"
+#include "reference/generalized_trace.hpp"
+#include "reference/reference_solution.hpp"
+
+namespace odeval::catalogue {
+namespace {
+
+std::size_t row_width(const Method& method, const Scenario& scenario) {
+  const std::size_t links = scenario.links.size();
+  return method.coordinates == Coordinates::generalized ? 2 * links : links * body_numbers + 1;
+}
+
+}  // namespace
+
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+Evaluator::Evaluator(Scenario scenario) : scenario_(std::move(scenario)), grid_(sample_grid(scenario_)) {}
+
+const Reference& Evaluator::reference() {
+  if (!reference_) reference_ = reference::solve_reference(scenario_, grid_);
+  return *reference_;
+}
+
+// ODE's stored velocities belong to the middle of the step before (claim O1). The half-step start gives it those: the
+// velocities of t = -h/2, to first order.
+std::unique_ptr<Simulation> Evaluator::make(const Method& method) const {
+  if (method.coordinates != Coordinates::cartesian || scenario_.ode.start != Start::half_step) {
+    return method.make(scenario_, grid_);
+  }
+  Scenario earlier = scenario_;
+  const std::vector<double> acceleration = reference::joint_accelerations(scenario_, scenario_.q0, scenario_.qd0);
+  for (std::size_t i = 0; i < earlier.qd0.size(); ++i) earlier.qd0[i] -= acceleration[i] * scenario_.step_s / 2;
+  return method.make(earlier, grid_);
+}
+
+Evaluation Evaluator::evaluate(const Method& method) {
+  const std::unique_ptr<Simulation> simulation = make(method);
+  Rows rows(row_width(method, scenario_), static_cast<std::size_t>(grid_.rows));
+  const double start = cpu_seconds();
+  Outcome outcome = simulation->run(&rows);
+  const double cpu_s = cpu_seconds() - start;
+  Trace trace = method.coordinates == Coordinates::generalized ? reference::generalized_trace(scenario_, grid_, rows)
+                                                               : cartesian_trace(scenario_, grid_, rows);
+  compare(trace, reference());
+  return {&method, std::move(outcome), std::move(trace), cpu_s};
+}
+
+Metrics Evaluator::measure(const Evaluation& evaluation, double until_s) {
+  return odeval::measure(evaluation.trace, &reference(), until_s);
+}
+
+}  // namespace odeval::catalogue

@@ -1,0 +1,48 @@
+#pragma once
+// A scenario in a method beside the reference: the sentence the whole program says.
+#include <optional>
+
+#include "catalogue/methods.hpp"
+#include "odeval/metrics.hpp"
+#include "odeval/reference.hpp"
+#include "odeval/trace.hpp"
+
+namespace odeval::catalogue {
+
+struct Evaluation {
+  const Method* method = nullptr;
+  Outcome outcome;
+  Trace trace;
+  double cpu_s = 0;  // of the run with recording, set-up and comparison left out
+};
+
+/// Runs methods on one scenario and keeps the reference they share.
+class Evaluator {
+ public:
+  /// Throws UserError when the scenario's sampling does not fit its step.
+  explicit Evaluator(Scenario scenario);
+
+  const Scenario& scenario() const { return scenario_; }
+  const SampleGrid& grid() const { return grid_; }
+
+  /// Solved on first use. Throws MachineError when CVODE gives up.
+  const Reference& reference();
+
+  /// A simulation as the settings ask for it, `--start half-step` included.
+  std::unique_ptr<Simulation> make(const Method& method) const;
+
+  /// The trace holds the errors against the reference.
+  Evaluation evaluate(const Method& method);
+
+  Metrics measure(const Evaluation& evaluation, double until_s);
+
+ private:
+  Scenario scenario_;
+  SampleGrid grid_;
+  std::optional<Reference> reference_;
+};
+
+/// CPU seconds this thread has used.
+double cpu_seconds();
+
+}  // namespace odeval::catalogue

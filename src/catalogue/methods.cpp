@@ -1,0 +1,104 @@
+#include "catalogue/methods.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "engine_ode/module.hpp"
+#include "odeval/error.hpp"
+#include "reference/analytic.hpp"
+#include "reference/cvode.hpp"
+#include "reference/fixed_step.hpp"
+#include "reference/ode45.hpp"
+#include "reference/quad.hpp"
+#include "scenario/nearest.hpp"
+
+namespace odeval::catalogue {
+namespace {
+
+using engine_ode::Module;
+
+template <const Module& (*module)(), MakeSimulation Module::*make>
+std::unique_ptr<Simulation> in_module(const Scenario& scenario, const SampleGrid& grid) {
+  return (module().*make)(scenario, grid);
+}
+
+constexpr MakeSimulation step_double = &in_module<&engine_ode::odeval_ode_double, &Module::make_step>;
+constexpr MakeSimulation quickstep_double = &in_module<&engine_ode::odeval_ode_double, &Module::make_quickstep>;
+#ifdef ODEVAL_HAVE_ODE_SINGLE
+constexpr MakeSimulation step_single = &in_module<&engine_ode::odeval_ode_single, &Module::make_step>;
+constexpr MakeSimulation quickstep_single = &in_module<&engine_ode::odeval_ode_single, &Module::make_quickstep>;
+#else
+constexpr MakeSimulation step_single = nullptr;
+constexpr MakeSimulation quickstep_single = nullptr;
+#endif
+
+bool every(const Problem&) { return true; }
+bool without_wall(const Problem& problem) { return !problem.wall; }
+bool closed_form(const Problem& problem) { return problem.links == 1; }
+
+constexpr auto generalized = Coordinates::generalized;
+constexpr auto cartesian = Coordinates::cartesian;
+
+constexpr std::array table{
+    Method{"ode-step-double", "ODE bodies and joints", "dWorldStep, double precision", cartesian, 1, 0, 0, every,
+           step_double},
+    Method{"ode-step-single", "ODE bodies and joints", "dWorldStep, single precision", cartesian, 1, 0, 0, every,
+           step_single},
+    Method{"ode-quickstep-double", "ODE bodies and joints", "dWorldQuickStep, double precision", cartesian, 1, 0, 0,
+           every, quickstep_double},
+    Method{"ode-quickstep-single", "ODE bodies and joints", "dWorldQuickStep, single precision", cartesian, 1, 0, 0,
+           every, quickstep_single},
+    Method{reference_method, "closed-form Lagrangian", "SUNDIALS CVODE, Adams: the reference", generalized, 0,
+           reference::tight_tolerances.rtol, reference::tight_tolerances.atol, every, reference::make_cvode},
+    Method{"lagrange-quad", "closed-form Lagrangian", "extrapolation in quad precision: certifies the reference",
+           generalized, 0, 0, 0, without_wall, reference::make_quad},
+    Method{"lagrange-ode45", "closed-form Lagrangian", "Dormand-Prince 5(4) as MATLAB's ode45", generalized, 0,
+           reference::ode45_rtol, reference::ode45_atol, every, reference::make_ode45},
+    Method{"lagrange-rk4", "closed-form Lagrangian", "classical Runge-Kutta, fixed step", generalized, 4, 0, 0, every,
+           reference::make_rk4},
+    Method{"lagrange-euler", "closed-form Lagrangian", "explicit Euler, fixed step", generalized, 1, 0, 0, every,
+           reference::make_euler},
+    Method{"lagrange-symplectic-euler", "closed-form Lagrangian", "symplectic Euler, fixed step", generalized, 1, 0, 0,
+           every, reference::make_symplectic_euler},
+    Method{"analytic", "closed form", "Jacobi elliptic functions", generalized, 0, 0, 0, closed_form,
+           reference::make_analytic},
+};
+
+}  // namespace
+
+std::span<const Method> methods() { return table; }
+
+std::vector<std::string> method_names() {
+  std::vector<std::string> names;
+  for (const Method& method : table) names.emplace_back(method.name);
+  return names;
+}
+
+std::string why_missing(const Method& method) {
+  return "method '" + std::string(method.name) +
+         "' is not in this build, which has no single-precision ODE; scripts/build-ode-single makes one, then "
+         "configure "
+         "again";
+}
+
+const Method& find_method(std::string_view name) {
+  const auto* found = std::ranges::find(table, name, &Method::name);
+  if (found == table.end()) {
+    throw UserError("--method: no method named '" + std::string(name) + "' (nearest: '" +
+                    nearest(name, method_names()) + "'); 'odeval list' shows all");
+  }
+  if (found->make == nullptr) throw UserError("--method: " + why_missing(*found));
+  return *found;
+}
+
+void require_claim(const Method& method, const Problem& problem) {
+  if (method.claims(problem)) return;
+  std::string does;
+  for (const Problem& other : problems) {
+    if (method.claims(other)) does += (does.empty() ? "" : ", ") + std::string(other.name);
+  }
+  throw UserError("--method: method '" + std::string(method.name) + "' does not do problem '" +
+                  std::string(problem.name) + "'; it does " + does);
+}
+
+}  // namespace odeval::catalogue

@@ -1,0 +1,40 @@
+#pragma once
+// The catalogue of methods: one row each. Command line, help, list, tests and report read this table.
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "odeval/method.hpp"
+
+namespace odeval::catalogue {
+
+struct Method {
+  std::string_view name;
+  std::string_view formulation;
+  std::string_view advanced_by;
+  Coordinates coordinates;
+  int order;    // of convergence in the step; 0: no fixed step
+  double rtol;  // its own tolerances, which --rtol and --atol replace; 0: it has none
+  double atol;
+  bool (*claims)(const Problem&);  // which problems it does
+  MakeSimulation make;             // null: left out of this build
+};
+
+/// The name of the method that every error is measured against.
+inline constexpr std::string_view reference_method = "lagrange-cvode";
+
+std::span<const Method> methods();
+
+/// Throws UserError with the nearest name, or why the build lacks the method.
+const Method& find_method(std::string_view name);
+
+/// Throws UserError when the method does not do the problem.
+void require_claim(const Method& method, const Problem& problem);
+
+/// Why a method with `make == nullptr` is missing, in one line.
+std::string why_missing(const Method& method);
+
+std::vector<std::string> method_names();
+
+}  // namespace odeval::catalogue

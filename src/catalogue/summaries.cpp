@@ -1,0 +1,31 @@
+#include "catalogue/summaries.hpp"
+
+#include "catalogue/versions.hpp"
+
+namespace odeval::catalogue {
+
+RunSummary summarise(const Evaluation& run, Evaluator& evaluator) {
+  const Scenario& scenario = evaluator.scenario();
+  const Method& method = *run.method;
+  const auto in_effect = [](const std::optional<double>& asked, double own) {
+    return own == 0 ? std::nullopt : std::optional(asked.value_or(own));
+  };
+  RunSummary summary;
+  summary.scenario = scenario;
+  summary.grid = evaluator.grid();
+  summary.method = method.name;
+  summary.is_reference = method.name == reference_method && !scenario.rtol && !scenario.atol;
+  summary.uses_ode = method.coordinates == Coordinates::cartesian;
+  summary.rtol = in_effect(scenario.rtol, method.rtol);
+  summary.atol = in_effect(scenario.atol, method.atol);
+  summary.outcome = run.outcome;
+  summary.metrics = evaluator.measure(run, summary.grid.time(summary.grid.rows - 1));
+  for (const double until : error_times_within(summary.grid)) {
+    summary.error_at.push_back(evaluator.measure(run, until));
+  }
+  summary.reference = evaluator.reference().described;
+  summary.versions = versions();
+  return summary;
+}
+
+}  // namespace odeval::catalogue

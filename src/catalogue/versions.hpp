@@ -1,0 +1,13 @@
+#pragma once
+// What made a number: the program, its libraries, its compiler.
+#include "output/summary.hpp"
+
+namespace odeval::catalogue {
+
+/// odeval, ode_double, ode_single (or "not in this build"), sundials, boost, compiler, flags. The same on every run.
+NamedTexts versions();
+
+/// Processor, cores and kernel of this machine; for timings only.
+NamedTexts machine();
+
+}  // namespace odeval::catalogue

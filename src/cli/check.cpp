@@ -1,0 +1,87 @@
+// odeval check: holds every tolerance of the scenario files against a fresh measurement.
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <map>
+
+#include "catalogue/evaluation.hpp"
+#include "catalogue/paths.hpp"
+#include "cli/commands.hpp"
+#include "cli/progress.hpp"
+#include "cli/settings.hpp"
+#include "measure/metrics.hpp"
+#include "output/checks.hpp"
+#include "scenario/find_scenario.hpp"
+
+namespace odeval::cli {
+namespace {
+
+struct Options {
+  std::vector<std::string> scenarios;
+  Settings settings;
+  bool quiet = false;
+  bool json = false;
+};
+
+/// Every tolerance of one scenario. Each method runs once, until the last time a tolerance asks for.
+std::vector<CheckRow> check_scenario(Scenario scenario) {
+  double last = 0;
+  for (const Tolerance& tolerance : scenario.tolerances) last = std::max(last, tolerance.until_s);
+  scenario.duration_s = std::max(last, scenario.step_s);
+  catalogue::Evaluator evaluator(scenario);
+  std::map<std::string, catalogue::Evaluation> runs;
+  std::vector<CheckRow> rows;
+  for (const Tolerance& tolerance : scenario.tolerances) {
+    CheckRow row{scenario.name, tolerance, {}, {}, CheckRow::Verdict::left_out};
+    const auto all = catalogue::methods();
+    const auto& method = *std::ranges::find(all, tolerance.method, &catalogue::Method::name);
+    if (method.make != nullptr) {
+      catalogue::require_claim(method, *scenario.problem);
+      const auto found = runs.find(tolerance.method);
+      const auto& run = found != runs.end() ? found->second
+                                            : runs.emplace(tolerance.method, evaluator.evaluate(method)).first->second;
+      const Metrics metrics = evaluator.measure(run, tolerance.until_s);
+      row.measured = judged_value(tolerance, metrics);
+      row.reference_uncertainty = metrics.reference_uncertainty;
+      row.verdict = keeps(tolerance, metrics) ? CheckRow::Verdict::kept : CheckRow::Verdict::failed;
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+int check(const Options& options) {
+  std::vector<Scenario> scenarios;
+  const auto names = options.scenarios.empty() ? scenario_names(catalogue::scenario_folder()) : options.scenarios;
+  for (const std::string& name : names) scenarios.push_back(options.settings.read(name));
+
+  std::vector<CheckRow> rows;
+  {
+    Progress progress(scenarios.size(), options.quiet);
+    for (const Scenario& scenario : scenarios) {
+      progress.next(scenario.name);
+      const auto checked = check_scenario(scenario);
+      rows.insert(rows.end(), checked.begin(), checked.end());
+    }
+  }
+  if (options.json) {
+    std::cout << checks_json(rows);
+  } else if (!options.quiet) {
+    std::cout << checks_table(rows);
+  }
+  const bool failed =
+      std::ranges::any_of(rows, [](const CheckRow& row) { return row.verdict == CheckRow::Verdict::failed; });
+  return failed ? 1 : 0;
+}
+
+}  // namespace
+
+Action attach_check(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  app.add_option("SCENARIO", options->scenarios, "names or .toml files; default: all that come with the program");
+  app.add_flag("--quiet", options->quiet, "only the exit status");
+  app.add_flag("--json", options->json, "for programs");
+  options->settings.attach(app);
+  return [options] { return check(*options); };
+}
+
+}  // namespace odeval::cli

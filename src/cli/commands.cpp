@@ -1,0 +1,67 @@
+#include "cli/commands.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+
+#include "catalogue/versions.hpp"
+#include "odeval/error.hpp"
+#include "scenario/nearest.hpp"
+
+namespace odeval::cli {
+namespace {
+
+constexpr std::array table{
+    Command{"list", "scenarios, methods, commands, library versions and precision of this build", attach_list},
+    Command{"run", "traces, summaries and energy drift of one scenario", attach_run},
+    Command{"bench", "timing table, methods interleaved, no output while timing", attach_bench},
+    Command{"check", "every tolerance of the scenario files; exit status 1 if one fails", attach_check},
+};
+
+std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+/// CLI11 knows what was wrong; this adds the nearest flag or command that would be right.
+[[noreturn]] void refuse(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App* command = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
+  std::vector<std::string> known;
+  for (const CLI::Option* option : command->get_options()) {
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  }
+  if (command == &app) {
+    for (const Command& row : table) known.emplace_back(row.name);
+  }
+  const std::string who = command == &app ? "odeval" : "odeval " + command->get_name();
+  const std::vector<std::string> extra = app.remaining(true);
+  if (!extra.empty()) {
+    const std::string what = extra.front().starts_with("-") ? "flag" : command == &app ? "command" : "argument";
+    throw UserError(extra.front() + ": no such " + what + " (nearest: '" + nearest(extra.front(), known) + "'); '" +
+                    who + " --help' shows all");
+  }
+  throw UserError(first_line(error.what()) + "; '" + who + " --help' shows how");
+}
+
+}  // namespace
+
+std::span<const Command> commands() { return table; }
+
+int run_command_line(int argc, char** argv) {
+  CLI::App app("odeval: how far can you trust the Open Dynamics Engine, and with which settings?", "odeval");
+  app.set_version_flag("--version", [] { return "odeval " + catalogue::versions().front().second; });
+  app.require_subcommand(1);
+  std::vector<std::pair<CLI::App*, Action>> actions;
+  for (const Command& row : table) {
+    CLI::App* part = app.add_subcommand(std::string(row.name), std::string(row.summary));
+    actions.emplace_back(part, row.attach(*part));
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& asked_for_help) {
+    return app.exit(asked_for_help);
+  } catch (const CLI::ParseError& error) {
+    refuse(app, error);
+  }
+  const auto chosen = std::ranges::find_if(actions, [](const auto& action) { return action.first->parsed(); });
+  return chosen->second();
+}
+
+}  // namespace odeval::cli

@@ -1,0 +1,68 @@
+// odeval list: what this build can do.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iostream>
+
+#include "catalogue/methods.hpp"
+#include "catalogue/paths.hpp"
+#include "catalogue/versions.hpp"
+#include "cli/commands.hpp"
+#include "cli/settings.hpp"
+#include "measure/metrics.hpp"
+#include "output/listing.hpp"
+#include "scenario/find_scenario.hpp"
+
+namespace odeval::cli {
+namespace {
+
+struct Options {
+  bool json = false;
+  std::string names;
+};
+
+std::vector<Listing> listings() {
+  Listing scenarios{"scenarios", {}};
+  for (const std::string& name : scenario_names(catalogue::scenario_folder())) {
+    const Scenario scenario = read_scenario(find_scenario(name, catalogue::scenario_folder()), {}, known_names());
+    scenarios.rows.push_back({name, std::string(scenario.problem->summary)});
+  }
+  Listing methods{"methods", {}};
+  for (const auto& method : catalogue::methods()) {
+    const std::string missing = method.make == nullptr ? " (not in this build)" : "";
+    methods.rows.push_back(
+        {std::string(method.name), std::string(method.formulation) + ": " + std::string(method.advanced_by) + missing});
+  }
+  Listing metrics{"metrics", {}};
+  for (const auto& row : metric_table()) {
+    const std::string unit = row.unit.empty() ? "" : ", " + std::string(row.unit);
+    metrics.rows.push_back({std::string(row.name), std::string(row.meaning) + unit});
+  }
+  Listing names{"commands", {}};
+  for (const Command& command : commands()) {
+    names.rows.push_back({std::string(command.name), std::string(command.summary)});
+  }
+  return {scenarios, methods, metrics, names, {"versions", catalogue::versions()}};
+}
+
+int list(const Options& options) {
+  const std::vector<Listing> all = listings();
+  if (!options.names.empty()) {
+    const auto wanted = std::ranges::find(all, options.names, &Listing::name);
+    for (const auto& row : wanted->rows) std::cout << row.first << '\n';
+  } else {
+    std::cout << (options.json ? listing_json(all) : listing_text(all));
+  }
+  return 0;
+}
+
+}  // namespace
+
+Action attach_list(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  app.add_flag("--json", options->json, "for programs");
+  app.add_option("--names", options->names, "only the names of one kind, one a line")
+      ->check(CLI::IsMember({"scenarios", "methods", "metrics", "commands", "versions"}));
+  return [options] { return list(*options); };
+}
+
+}  // namespace odeval::cli

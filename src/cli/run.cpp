@@ -1,0 +1,75 @@
+// odeval run: one scenario in several methods: traces, summaries, a table.
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "catalogue/evaluation.hpp"
+#include "catalogue/summaries.hpp"
+#include "cli/commands.hpp"
+#include "cli/progress.hpp"
+#include "cli/settings.hpp"
+#include "output/file.hpp"
+#include "output/summary.hpp"
+#include "output/run_report.hpp"
+#include "output/trace_csv.hpp"
+
+namespace odeval::cli {
+namespace {
+
+struct Options {
+  std::string scenario;
+  std::vector<std::string> methods;
+  Settings settings;
+  std::string out = "results";
+  bool quiet = false;
+  bool json = false;
+};
+
+int run(const Options& options) {
+  const Scenario scenario = options.settings.read(options.scenario);
+  const auto methods = chosen_methods(options.methods, scenario);
+  catalogue::Evaluator evaluator(scenario);
+  const std::filesystem::path folder = std::filesystem::path(options.out) / scenario.name;
+
+  std::vector<RunSummary> summaries;
+  std::vector<double> ns_per_step;
+  bool diverged = false;
+  {
+    Progress progress(methods.size(), options.quiet);
+    for (const catalogue::Method* method : methods) {
+      const std::string name(method->name);
+      progress.next(scenario.name + " " + name);
+      const catalogue::Evaluation run = evaluator.evaluate(*method);
+      summaries.push_back(catalogue::summarise(run, evaluator));
+      ns_per_step.push_back(1e9 * run.cpu_s / static_cast<double>(std::max(run.outcome.steps, 1L)));
+      diverged = diverged || run.outcome.diverged;
+      write_whole(folder / (name + ".csv"), trace_csv(run.trace));
+      write_whole(folder / (name + ".json"), summary_json(summaries.back()));
+    }
+  }
+  write_whole(folder / "summary.csv", summary_csv(summaries));
+
+  if (options.json) {
+    std::cout << summaries_json(summaries);
+  } else if (!options.quiet) {
+    std::cout << run_report(summaries, ns_per_step, evaluator.reference()) << "\nwrote " << folder.string() << "/\n";
+  }
+  return diverged ? 1 : 0;
+}
+
+}  // namespace
+
+Action attach_run(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  app.add_option("SCENARIO", options->scenario, "a name ('odeval list') or a .toml file")->required();
+  app.add_option("--method", options->methods, "one or several, with commas; default: the scenario's own list")
+      ->type_name("M[,M...]")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  app.add_option("--out", options->out, "folder of the results")->type_name("DIR")->capture_default_str();
+  app.add_flag("--quiet", options->quiet, "no table, no progress");
+  app.add_flag("--json", options->json, "summaries for programs instead of the table");
+  options->settings.attach(app);
+  return [options] { return run(*options); };
+}
+
+}  // namespace odeval::cli

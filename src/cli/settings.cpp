@@ -1,0 +1,106 @@
+#include "cli/settings.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <iostream>
+
+#include "catalogue/paths.hpp"
+#include "measure/metrics.hpp"
+#include "odeval/error.hpp"
+#include "scenario/find_scenario.hpp"
+#include "scenario/scenario_keys.hpp"
+
+namespace odeval::cli {
+namespace {
+
+// Keys of the scenario file with a flag of their own. Any other key goes through --set.
+constexpr std::array flag_keys{"step",
+                               "duration",
+                               "sample",
+                               "rtol",
+                               "atol",
+                               "ode.erp",
+                               "ode.cfm",
+                               "ode.iterations",
+                               "ode.sor_w",
+                               "ode.bounce",
+                               "ode.bounce_vel",
+                               "ode.max_correcting_vel",
+                               "ode.surface_layer",
+                               "ode.start",
+                               "ode.seed"};
+
+std::string flag_of(std::string key) {
+  key = key.substr(key.find('.') + 1);
+  std::ranges::replace(key, '_', '-');
+  return "--" + key;
+}
+
+const KeyRow& row_of(const std::string& key) {
+  const auto rows = key_table();
+  return *std::ranges::find_if(rows, [&](const KeyRow& row) {
+    return key == (row.section.empty() ? "" : std::string(row.section) + ".") + std::string(row.name);
+  });
+}
+
+}  // namespace
+
+void Settings::attach(CLI::App& app) {
+  for (const char* key : flag_keys) {
+    const KeyRow& row = row_of(key);
+    Flag& flag = flags_.emplace_back(Flag{flag_of(key), key, ""});
+    app.add_option(flag.flag, flag.value, std::string(row.meaning))
+        ->type_name(row.unit.empty() ? "VALUE" : std::string(row.unit))
+        ->group("Settings, each on top of the scenario file");
+  }
+  app.add_option("--set", sets_, "any key of the file, e.g. --set links.0.mass=2 --set q0=[1.0,0.5]")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false)
+      ->group("Settings, each on top of the scenario file");
+}
+
+Scenario Settings::read(const std::string& name_or_path) const {
+  std::vector<Override> overrides;
+  for (const Flag& flag : flags_) {
+    if (!flag.value.empty()) overrides.push_back({flag.key, flag.value, flag.flag});
+  }
+  for (const std::string& set : sets_) {
+    const std::size_t equals = set.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      throw UserError("--set " + set + ": must be KEY=VALUE, e.g. --set links.0.mass=2");
+    }
+    overrides.push_back({set.substr(0, equals), set.substr(equals + 1), "--set"});
+  }
+  return read_scenario(find_scenario(name_or_path, catalogue::scenario_folder()), overrides, known_names());
+}
+
+std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::string>& asked, const Scenario& scenario) {
+  std::vector<const catalogue::Method*> chosen;
+  for (const std::string& name : asked) {
+    const catalogue::Method& method = catalogue::find_method(name);
+    catalogue::require_claim(method, *scenario.problem);
+    if (std::ranges::find(chosen, &method) == chosen.end()) chosen.push_back(&method);
+  }
+  if (!asked.empty()) return chosen;
+
+  for (const catalogue::Method& method : catalogue::methods()) {
+    if (std::ranges::find(scenario.methods, method.name) == scenario.methods.end()) continue;
+    if (method.make == nullptr) {
+      std::cerr << "odeval: left out: " << catalogue::why_missing(method) << '\n';
+    } else {
+      catalogue::require_claim(method, *scenario.problem);
+      chosen.push_back(&method);
+    }
+  }
+  if (chosen.empty()) throw UserError(scenario.file + ": methods: names none to run; give --method M[,M...]");
+  return chosen;
+}
+
+Names known_names() {
+  Names names{catalogue::method_names(), {}};
+  for (const auto& row : metric_table()) names.metrics.emplace_back(row.name);
+  return names;
+}
+
+}  // namespace odeval::cli

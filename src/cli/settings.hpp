@@ -1,0 +1,42 @@
+#pragma once
+// The settings every command that runs scenarios shares: flags on top of the scenario file.
+#include <deque>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "catalogue/methods.hpp"
+#include "scenario/read_scenario.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace odeval::cli {
+
+class Settings {
+ public:
+  /// Adds `--step`, `--duration`, ... and `--set` to a command.
+  void attach(CLI::App& app);
+
+  /// Reads a scenario by name or path with the flags on top. Throws UserError.
+  Scenario read(const std::string& name_or_path) const;
+
+ private:
+  struct Flag {
+    std::string flag;
+    std::string key;
+    std::string value;
+  };
+  std::deque<Flag> flags_;  // stable addresses: the parser writes into them
+  std::vector<std::string> sets_;
+};
+
+/// The methods to run: those asked for, or else the scenario's own list. A method of that list that is missing in this
+/// build or does not do the problem is left out with a line on stderr; one that was asked for is a UserError.
+std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::string>& asked, const Scenario& scenario);
+
+/// The words a scenario file may use for methods and metrics, from the catalogues.
+Names known_names();
+
+}  // namespace odeval::cli

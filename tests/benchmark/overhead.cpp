@@ -1,0 +1,111 @@
+// What the harness costs beside a bare C loop of dWorldStep on the same world.
+//
+//   odeval-overhead [ROUNDS]
+//
+// Interleaved in one run: each round times the bare loop, the harness's stepping loop, the same with every sample
+// recorded, and the whole command `odeval run double_pendulum --method ode-step-double`. Prints medians and the median
+// of the rounds' ratios; judges nothing.
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <vector>
+
+#include "catalogue/evaluation.hpp"
+#include "catalogue/paths.hpp"
+#include "scenario/read_scenario.hpp"
+#include "tests/benchmark/bare_loop.h"
+
+namespace {
+
+using odeval::catalogue::cpu_seconds;
+
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  return values[values.size() / 2];
+}
+
+/// CPU seconds of the command, children's user and system time together.
+double command_seconds(const std::filesystem::path& program, const std::filesystem::path& out) {
+  const auto used = [] {
+    rusage usage{};
+    getrusage(RUSAGE_CHILDREN, &usage);
+    const auto seconds = [](const timeval& t) {
+      return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+    };
+    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  };
+  const double before = used();
+  const pid_t child = fork();
+  if (child == 0) {
+    execl(program.c_str(), program.c_str(), "run", "double_pendulum", "--method", "ode-step-double", "--out",
+          out.c_str(), "--quiet", static_cast<char*>(nullptr));
+    _exit(127);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (status != 0) fmt::print("the command failed with status {}\n", status);
+  return used() - before;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  namespace fs = std::filesystem;
+  const int rounds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 21;
+  const odeval::Scenario scenario =
+      odeval::read_scenario(odeval::catalogue::scenario_folder() / "double_pendulum.toml");
+  odeval::catalogue::Evaluator evaluator(scenario);
+  const odeval::SampleGrid grid = evaluator.grid();
+  const odeval::catalogue::Method& method = odeval::catalogue::find_method("ode-step-double");
+  const fs::path program = fs::read_symlink("/proc/self/exe").parent_path() / "odeval";
+  const fs::path out = fs::temp_directory_path() / fmt::format("odeval-overhead-{}", getpid());
+
+  std::vector<double> bare, stepping, recording, command;
+  double bare_height = 0;
+  double harness_height = 0;
+  for (int round = -1; round < rounds; ++round) {  // the first round warms up
+    bare_pendulum_create();
+    double start = cpu_seconds();
+    bare_pendulum_run(grid.steps());
+    const double bare_s = cpu_seconds() - start;
+    bare_height = bare_pendulum_height();
+    bare_pendulum_destroy();
+
+    const auto stepper = evaluator.make(method);
+    start = cpu_seconds();
+    stepper->run(nullptr);
+    const double stepping_s = cpu_seconds() - start;
+
+    const auto recorder = evaluator.make(method);
+    odeval::Rows rows(scenario.links.size() * odeval::body_numbers + 1, static_cast<std::size_t>(grid.rows));
+    start = cpu_seconds();
+    recorder->run(&rows);
+    const double recording_s = cpu_seconds() - start;
+    harness_height = rows.row(rows.count() - 1)[odeval::body_numbers + 2];
+
+    const double command_s = command_seconds(program, out);
+    if (round < 0) continue;
+    bare.push_back(bare_s);
+    stepping.push_back(stepping_s);
+    recording.push_back(recording_s);
+    command.push_back(command_s);
+  }
+  fs::remove_all(out);
+
+  fmt::print("double_pendulum, {} steps, {} rounds, medians of CPU time\n", grid.steps(), rounds);
+  const auto line = [&](const char* what, const std::vector<double>& seconds) {
+    std::vector<double> ratios;
+    for (std::size_t i = 0; i < seconds.size(); ++i) ratios.push_back(seconds[i] / bare[i]);
+    fmt::print("{:<34} {:8.3f} ms  {:6.3f} x bare\n", what, 1e3 * median(seconds), median(ratios));
+  };
+  line("bare C loop of dWorldStep", bare);
+  line("stepping loop", stepping);
+  line("stepping and recording", recording);
+  line("whole command", command);
+  fmt::print("height of link 2 at the end: bare {:.9f} m, harness {:.9f} m\n", bare_height, harness_height);
+}

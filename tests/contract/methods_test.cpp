@@ -1,0 +1,72 @@
+// What every method promises on every problem it claims: the same columns, finite numbers, times on the grid, the
+// start it was given, the same result twice.
+#include "output/trace_csv.hpp"
+#include "tests/check.hpp"
+#include "tests/scenarios.hpp"
+
+namespace {
+
+using namespace odeval;
+
+std::string header_of(const Trace& trace) {
+  const std::string csv = trace_csv(trace);
+  return csv.substr(0, csv.find('\n'));
+}
+
+const char* wanted_header(const Problem& problem, Coordinates coordinates) {
+  const bool bodies = coordinates == Coordinates::cartesian;
+  if (problem.links == 1) {
+    return bodies ? "t,q1,qd1,kinetic,potential,energy,energy_drift,gap,out_of_plane,error_q1,contacts,"
+                    "x1,y1,z1,r111,r112,r113,r121,r122,r123,r131,r132,r133,vx1,vy1,vz1,wx1,wy1,wz1,fx1,fy1,fz1"
+                  : "t,q1,qd1,kinetic,potential,energy,energy_drift,gap,out_of_plane,error_q1,contacts";
+  }
+  return bodies ? "t,q1,q2,qd1,qd2,kinetic,potential,energy,energy_drift,gap,out_of_plane,error_q1,error_q2,contacts,"
+                  "x1,y1,z1,r111,r112,r113,r121,r122,r123,r131,r132,r133,vx1,vy1,vz1,wx1,wy1,wz1,fx1,fy1,fz1,"
+                  "x2,y2,z2,r211,r212,r213,r221,r222,r223,r231,r232,r233,vx2,vy2,vz2,wx2,wy2,wz2,fx2,fy2,fz2"
+                : "t,q1,q2,qd1,qd2,kinetic,potential,energy,energy_drift,gap,out_of_plane,error_q1,error_q2,contacts";
+}
+
+void check_contract(const Problem& problem, const catalogue::Method& method) {
+  Scenario scenario = test::report_scenario(problem.name, 1.0, 1e-3);
+  scenario.sample_s = 1e-2;
+  catalogue::Evaluator evaluator(scenario);
+  const auto run = evaluator.evaluate(method);
+  std::printf("%s %s\n", std::string(problem.name).c_str(), std::string(method.name).c_str());
+
+  CHECK_EQUAL(header_of(run.trace), std::string(wanted_header(problem, method.coordinates)));
+  CHECK_EQUAL(run.trace.rows(), std::size_t{101});
+  CHECK(!run.outcome.diverged);
+  CHECK(run.outcome.steps > 0);
+  const CsvTable table = read_csv(trace_csv(run.trace));
+  for (const Column& column : table.columns) {
+    for (const double value : column) CHECK(std::isfinite(value));
+  }
+  for (std::size_t k = 0; k < run.trace.rows(); ++k) {
+    CHECK_EQUAL(run.trace.t[k], static_cast<double>(10 * k) * 1e-3);
+  }
+  // The start, to the rounding of the engine's own numbers: 1e-7 in single precision, seen through two angles.
+  const bool single = method.name.ends_with("single");
+  for (std::size_t i = 0; i < scenario.q0.size(); ++i) {
+    CHECK_NEAR(run.trace.q[i][0], scenario.q0[i], single ? 1e-6 : 1e-14);
+    CHECK_NEAR(run.trace.qd[i][0], scenario.qd0[i], single ? 1e-6 : 1e-14);
+  }
+  // Whatever the method, this second is followed to a tenth of a radian and a tenth of the energy.
+  const Metrics metrics = evaluator.measure(run, 1.0);
+  CHECK(metrics.max_error_q.value() < 0.1);
+  CHECK(metrics.max_energy_drift < 1.0);
+  CHECK(metrics.max_gap < 1e-3);
+
+  const auto again = catalogue::Evaluator(scenario).evaluate(method);
+  CHECK(trace_csv(run.trace) == trace_csv(again.trace));
+}
+
+}  // namespace
+
+int main() {
+  for (const Problem& problem : problems) {
+    for (const catalogue::Method& method : catalogue::methods()) {
+      if (method.make != nullptr && method.claims(problem)) check_contract(problem, method);
+    }
+  }
+  return test::verdict();
+}
