@@ -22,11 +22,11 @@ struct Options {
   bool json = false;
 };
 
-/// Every tolerance of one scenario. Each method runs once, until the last time a tolerance asks for.
+/// Every tolerance of one scenario. Each method runs once, over the whole duration as `odeval run` does.
 std::vector<CheckRow> check_scenario(Scenario scenario) {
-  double last = 0;
-  for (const Tolerance& tolerance : scenario.tolerances) last = std::max(last, tolerance.until_s);
-  scenario.duration_s = std::max(last, scenario.step_s);
+  for (const Tolerance& tolerance : scenario.tolerances) {
+    scenario.duration_s = std::max(scenario.duration_s, tolerance.until_s);
+  }
   catalogue::Evaluator evaluator(scenario);
   std::map<std::string, catalogue::Evaluation> runs;
   std::vector<CheckRow> rows;

@@ -31,6 +31,8 @@ static void add_hinge(int i, dBodyID first, dBodyID second, dReal y, dReal z) {
 
 void bare_pendulum_create(void) {
   const dReal half = dSqrt(0.5);
+  dInitODE2(0);
+  dAllocateODEDataForThread(dAllocateMaskAll);
   world = dWorldCreate();
   space = dHashSpaceCreate(0);
   dWorldSetGravity(world, 0, 0, -9.81);
@@ -53,4 +55,5 @@ double bare_pendulum_height(void) { return dBodyGetPosition(body[1])[2]; }
 void bare_pendulum_destroy(void) {
   dSpaceDestroy(space);
   dWorldDestroy(world);
+  dCloseODE();
 }

@@ -17,6 +17,7 @@
 
 #include "catalogue/evaluation.hpp"
 #include "catalogue/paths.hpp"
+#include "cli/settings.hpp"
 #include "scenario/read_scenario.hpp"
 #include "tests/benchmark/bare_loop.h"
 
@@ -57,8 +58,8 @@ double command_seconds(const std::filesystem::path& program, const std::filesyst
 int main(int argc, char** argv) {
   namespace fs = std::filesystem;
   const int rounds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 21;
-  const odeval::Scenario scenario =
-      odeval::read_scenario(odeval::catalogue::scenario_folder() / "double_pendulum.toml");
+  const odeval::Scenario scenario = odeval::read_scenario(odeval::catalogue::scenario_folder() / "double_pendulum.toml",
+                                                          {}, odeval::cli::known_names());
   odeval::catalogue::Evaluator evaluator(scenario);
   const odeval::SampleGrid grid = evaluator.grid();
   const odeval::catalogue::Method& method = odeval::catalogue::find_method("ode-step-double");

@@ -1,0 +1,171 @@
+#include "measure/cartesian_trace.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "measure/unwrap.hpp"
+
+namespace odeval {
+
+namespace {
+
+Vec3 vec(const double* p) { return {p[0], p[1], p[2]}; }
+Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+Vec3 shifted(const Vec3& from, double distance, const Vec3& along) {
+  return {from[0] + distance * along[0], from[1] + distance * along[1], from[2] + distance * along[2]};
+}
+double length(const Vec3& a) { return std::sqrt(dot(a, a)); }
+
+// A direction fixed in the body, in the world.
+Vec3 turned(const double* rotation, const Vec3& v) {
+  return {dot(vec(rotation), v), dot(vec(rotation + 3), v), dot(vec(rotation + 6), v)};
+}
+
+/// What one link does in one row.
+struct LinkState {
+  double angle;  // absolute, in (-pi, pi]
+  double rate;
+  double kinetic;
+  double potential;
+  double out_of_plane;
+  Vec3 near_end;
+  Vec3 far_end;
+};
+
+/// Evaluates one link; holds what stays the same over the rows.
+class LinkMeter {
+ public:
+  LinkMeter(const PlanarFrame& frame, const Link& link, double gravity)
+      : frame_(frame),
+        axis_(frame.axis()),
+        third_body_(cross(frame.along_body, frame.across_body)),
+        mass_(link.mass_kg),
+        weight_(link.mass_kg * gravity),
+        half_length_(link.length_m / 2),
+        inertia_along_(moment(link, link.width_m, link.depth_m)),
+        inertia_across_(moment(link, link.length_m, link.depth_m)),
+        inertia_hinge_(moment(link, link.length_m, link.width_m)) {}
+
+  LinkState operator()(const BodyState& body) const {
+    const Vec3 x = vec(body.position);
+    const Vec3 v = vec(body.velocity);
+    const Vec3 w = vec(body.spin);
+    const Vec3 along = turned(body.rotation, frame_.along_body);
+    const double w_along = dot(w, along);
+    const double w_across = dot(w, turned(body.rotation, frame_.across_body));
+    const double w_hinge = dot(w, turned(body.rotation, third_body_));
+    const Vec3 from_hinge = minus(x, frame_.hinge_m);
+
+    LinkState state;
+    state.angle = std::atan2(dot(along, frame_.up), dot(along, frame_.horizontal));
+    state.rate = dot(w, axis_);
+    state.kinetic = 0.5 * (mass_ * dot(v, v) + inertia_along_ * w_along * w_along +
+                           inertia_across_ * w_across * w_across + inertia_hinge_ * w_hinge * w_hinge);
+    state.potential = weight_ * from_hinge[2];
+    state.out_of_plane = std::fabs(dot(from_hinge, axis_));
+    state.near_end = shifted(x, -half_length_, along);
+    state.far_end = shifted(x, half_length_, along);
+    return state;
+  }
+
+ private:
+  // Of a box about an axis through its centre; a and b are its sides across the axis.
+  static double moment(const Link& link, double a, double b) { return link.mass_kg * (a * a + b * b) / 12; }
+
+  const PlanarFrame& frame_;
+  Vec3 axis_;
+  Vec3 third_body_;
+  double mass_;
+  double weight_;
+  double half_length_;
+  double inertia_along_;
+  double inertia_across_;
+  double inertia_hinge_;
+};
+
+// NaN wins, so that a broken row never looks sound.
+double greater(double a, double b) { return a >= b || std::isnan(a) ? a : b; }
+
+template <std::size_t N>
+void size(std::array<Column, N>& columns, std::size_t rows) {
+  for (Column& column : columns) column.resize(rows);
+}
+
+template <std::size_t N>
+void store(std::array<Column, N>& columns, std::size_t k, const double (&values)[N]) {
+  for (std::size_t i = 0; i < N; ++i) columns[i][k] = values[i];
+}
+
+Trace sized_trace(std::size_t links, std::size_t rows) {
+  Trace trace;
+  trace.q.assign(links, Column(rows));
+  trace.qd.assign(links, Column(rows));
+  for (Column* column :
+       {&trace.t, &trace.kinetic, &trace.potential, &trace.gap, &trace.out_of_plane, &trace.contacts}) {
+    column->resize(rows);
+  }
+  trace.bodies.resize(links);
+  for (BodyColumns& body : trace.bodies) {
+    size(body.position, rows);
+    size(body.rotation, rows);
+    size(body.velocity, rows);
+    size(body.spin, rows);
+    size(body.joint_force, rows);
+  }
+  return trace;
+}
+
+}  // namespace
+
+Trace cartesian_trace(const Scenario& scenario, const SampleGrid& grid, const Rows& rows) {
+  const PlanarFrame& frame = scenario.problem->frame;
+  const std::size_t links = scenario.links.size();
+  Trace trace = sized_trace(links, rows.count());
+
+  std::vector<LinkMeter> meters;
+  std::vector<double> angle_before;  // absolute, unwrapped, of the row before; at first as the scenario has it
+  std::vector<double> rate_before(links);
+  for (std::size_t i = 0; i < links; ++i) {
+    meters.emplace_back(frame, scenario.links[i], scenario.gravity);
+    angle_before.push_back(scenario.q0[i] + (i == 0 ? 0 : angle_before[i - 1]));
+  }
+
+  for (std::size_t k = 0; k < rows.count(); ++k) {
+    const double* row = rows.row(k);
+    trace.t[k] = grid.time(static_cast<long>(k));
+    const double half_dt = k == 0 ? 0 : (trace.t[k] - trace.t[k - 1]) / 2;
+    double angle_inside = 0;  // of the link before
+    double rate_inside = 0;
+    Vec3 anchor = frame.hinge_m;
+    for (std::size_t i = 0; i < links; ++i) {
+      BodyState body;
+      std::memcpy(&body, row + i * body_numbers, sizeof body);
+      const LinkState state = meters[i](body);
+
+      const double expected = k == 0 ? angle_before[i] : angle_before[i] + half_dt * (rate_before[i] + state.rate);
+      const double angle = unwrap(state.angle, expected);
+      trace.q[i][k] = angle - angle_inside;
+      trace.qd[i][k] = state.rate - rate_inside;
+      angle_before[i] = angle_inside = angle;
+      rate_before[i] = rate_inside = state.rate;
+
+      trace.kinetic[k] += state.kinetic;
+      trace.potential[k] += state.potential;
+      trace.out_of_plane[k] = greater(trace.out_of_plane[k], state.out_of_plane);
+      trace.gap[k] = greater(trace.gap[k], length(minus(state.near_end, anchor)));
+      anchor = state.far_end;
+
+      BodyColumns& columns = trace.bodies[i];
+      store(columns.position, k, body.position);
+      store(columns.rotation, k, body.rotation);
+      store(columns.velocity, k, body.velocity);
+      store(columns.spin, k, body.spin);
+      store(columns.joint_force, k, body.joint_force);
+    }
+    trace.contacts[k] = row[links * body_numbers];
+  }
+  return trace;
+}
+
+}  // namespace odeval

@@ -1,0 +1,176 @@
+#include "measure/metrics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "odeval/error.hpp"
+
+namespace odeval {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double rounding_s = 1e-9;  // far below the least step, far above the rounding of times
+
+double size_of(double error) { return std::isnan(error) ? infinity : std::fabs(error); }
+
+// Rows with t <= until.
+std::size_t rows_until(const Column& t, double until_s) {
+  return static_cast<std::size_t>(std::upper_bound(t.begin(), t.end(), until_s + rounding_s) - t.begin());
+}
+
+/// Largest and root mean square of values; not-a-number counts as infinite.
+class Spread {
+ public:
+  void add(double value) {
+    const double size = size_of(value);
+    max_ = std::max(max_, size);
+    squares_ += size * size;
+    ++count_;
+  }
+  double max() const { return max_; }
+  double rms() const { return count_ == 0 ? 0 : std::sqrt(squares_ / static_cast<double>(count_)); }
+
+ private:
+  double max_ = 0;
+  double squares_ = 0;
+  std::size_t count_ = 0;
+};
+
+double largest(const Column& column, std::size_t rows) {
+  double max = 0;
+  for (std::size_t k = 0; k < rows; ++k) max = std::max(max, size_of(column[k]));
+  return max;
+}
+
+void measure_errors(const Trace& trace, const Reference& reference, std::size_t rows, Metrics& metrics) {
+  Spread spread;
+  std::size_t first_lost = rows;
+  for (const Column& error : trace.error_q) {
+    for (std::size_t k = 0; k < rows; ++k) {
+      spread.add(error[k]);
+      if (size_of(error[k]) > divergence_rad) first_lost = std::min(first_lost, k);
+    }
+  }
+  metrics.max_error_q = spread.max();
+  metrics.rms_error_q = spread.rms();
+  metrics.reference_uncertainty = largest(reference.uncertainty_q, rows_until(reference.trace.t, metrics.until_s));
+  if (first_lost < rows) metrics.divergence_time = trace.t[first_lost];
+}
+
+void measure_energy(const Trace& trace, std::size_t rows, Metrics& metrics) {
+  if (rows == 0) return;
+  const double start = trace.kinetic[0] + trace.potential[0];
+  const auto drift = [&trace, start](std::size_t k) { return trace.kinetic[k] + trace.potential[k] - start; };
+  Spread spread;
+  for (std::size_t k = 0; k < rows; ++k) spread.add(drift(k));
+  metrics.max_energy_drift = spread.max();
+  metrics.rms_energy_drift = spread.rms();
+  const double last = drift(rows - 1);
+  metrics.final_energy_drift = std::isnan(last) ? infinity : last;
+}
+
+void measure_reactions(const Trace& trace, const Reference& reference, std::size_t rows, Metrics& metrics) {
+  if (trace.bodies.empty() || reference.joint_force.size() != trace.bodies.size()) return;
+  double max_squared = 0;
+  for (std::size_t i = 0; i < trace.bodies.size(); ++i) {
+    const std::array<Column, 3>& force = trace.bodies[i].joint_force;
+    const std::array<Column, 3>& wanted = reference.joint_force[i];
+    for (std::size_t k = 1; k < rows; ++k) {
+      if (trace.contacts[k] > 0) continue;
+      double squared = 0;
+      for (std::size_t d = 0; d < 3; ++d) squared += (force[d][k] - wanted[d][k]) * (force[d][k] - wanted[d][k]);
+      max_squared = std::max(max_squared, size_of(squared));
+    }
+  }
+  metrics.max_reaction_error = std::sqrt(max_squared);
+}
+
+// The trace ends where the reference still has rows: it is lost at the first row it lacks.
+void count_as_lost(const Trace& trace, const Reference& reference, Metrics& metrics) {
+  if (!trace.error_q.empty()) {
+    metrics.max_error_q = metrics.rms_error_q = infinity;
+    if (!metrics.divergence_time) metrics.divergence_time = reference.trace.t[trace.rows()];
+  }
+  metrics.max_energy_drift = metrics.rms_energy_drift = metrics.final_energy_drift = infinity;
+  if (metrics.max_reaction_error) metrics.max_reaction_error = infinity;
+}
+
+}  // namespace
+
+void compare(Trace& trace, const Reference& reference) {
+  const Trace& wanted = reference.trace;
+  if (wanted.q.size() != trace.q.size()) {
+    throw MachineError("the reference has " + std::to_string(wanted.q.size()) + " angles, the trace " +
+                       std::to_string(trace.q.size()));
+  }
+  if (wanted.rows() < trace.rows() || !std::equal(trace.t.begin(), trace.t.end(), wanted.t.begin())) {
+    throw MachineError("the reference does not stand at the times of the trace");
+  }
+  trace.error_q.assign(trace.q.size(), Column(trace.rows()));
+  for (std::size_t i = 0; i < trace.q.size(); ++i) {
+    for (std::size_t k = 0; k < trace.rows(); ++k) trace.error_q[i][k] = trace.q[i][k] - wanted.q[i][k];
+  }
+}
+
+Metrics measure(const Trace& trace, const Reference* reference, double until_s) {
+  Metrics metrics;
+  metrics.until_s = until_s;
+  const std::size_t rows = rows_until(trace.t, until_s);
+  measure_energy(trace, rows, metrics);
+  metrics.max_gap = largest(trace.gap, rows);
+  metrics.max_out_of_plane = largest(trace.out_of_plane, rows);
+  if (reference != nullptr) {
+    if (!trace.error_q.empty()) measure_errors(trace, *reference, rows, metrics);
+    measure_reactions(trace, *reference, rows, metrics);
+    if (rows_until(reference->trace.t, until_s) > rows) count_as_lost(trace, *reference, metrics);
+  }
+  return metrics;
+}
+
+namespace {
+
+using M = Metrics;
+using Value = std::optional<double>;
+
+// clang-format off
+constexpr MetricRow table[] = {
+  {"max_error_q",           "rad", "largest angle error",                              [](const M& m) { return m.max_error_q; }},
+  {"rms_error_q",           "rad", "root mean square of the angle errors",             [](const M& m) { return m.rms_error_q; }},
+  {"reference_uncertainty", "rad", "bound on the reference's own angle error",         [](const M& m) { return m.reference_uncertainty; }},
+  {"divergence_time",       "s",   "first sample with an angle error above 0.1 rad",   [](const M& m) { return m.divergence_time; }},
+  {"max_energy_drift",      "J",   "largest difference from the energy at t = 0",      [](const M& m) { return Value(m.max_energy_drift); }},
+  {"rms_energy_drift",      "J",   "root mean square of that difference",              [](const M& m) { return Value(m.rms_energy_drift); }},
+  {"final_energy_drift",    "J",   "that difference at the end, with its sign",        [](const M& m) { return Value(m.final_energy_drift); }},
+  {"max_gap",               "m",   "largest distance between the anchors of a joint",  [](const M& m) { return Value(m.max_gap); }},
+  {"max_out_of_plane",      "m",   "largest distance of a body from the plane",        [](const M& m) { return Value(m.max_out_of_plane); }},
+  {"max_reaction_error",    "N",   "largest joint force error at samples without contact", [](const M& m) { return m.max_reaction_error; }},
+};
+// clang-format on
+
+}  // namespace
+
+std::span<const MetricRow> metric_table() { return table; }
+
+const MetricRow* metric_named(std::string_view name) {
+  const auto row = std::find_if(std::begin(table), std::end(table), [name](const auto& r) { return r.name == name; });
+  return row == std::end(table) ? nullptr : row;
+}
+
+std::optional<double> judged_value(const Tolerance& tolerance, const Metrics& metrics) {
+  const MetricRow* row = metric_named(tolerance.metric);
+  if (row == nullptr) throw UserError("no metric named '" + tolerance.metric + "'");
+  const std::optional<double> value = row->value(metrics);
+  const bool never_lost = row->name == "divergence_time" && !value && metrics.max_error_q;
+  return never_lost ? infinity : value;
+}
+
+bool keeps(const Tolerance& tolerance, const Metrics& metrics) {
+  const std::optional<double> value = judged_value(tolerance, metrics);
+  if (!value || (!std::isfinite(*value) && tolerance.metric != "divergence_time")) return false;
+  return (!tolerance.at_most || *value <= *tolerance.at_most) && (!tolerance.at_least || *value >= *tolerance.at_least);
+}
+
+}  // namespace odeval

@@ -1,0 +1,53 @@
+#pragma once
+// A trace beside the reference: errors, drift, gaps, divergence.
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "odeval/metrics.hpp"
+#include "odeval/reference.hpp"
+#include "odeval/scenario.hpp"
+#include "odeval/trace.hpp"
+
+namespace odeval {
+
+/// An angle error above this counts as lost.
+inline constexpr double divergence_rad = 0.1;
+
+/// Fills `trace.error_q` with q - reference q, rad.
+/// Throws MachineError when the reference has fewer rows, other times or another number of angles: nothing is
+/// resampled.
+void compare(Trace& trace, const Reference& reference);
+
+/// Metrics over the samples with t <= until_s. Errors are those of `compare`, so without it, or without a reference,
+/// they stay empty.
+///
+/// A value that is not finite counts as infinite. So does every error and drift of a trace that ends before a
+/// reference does: what a run did not survive it did not do well.
+///
+/// max_error_q         largest over links and samples; rms_error_q over the same
+/// max_reaction_error  rows without contact, from row 1: the force in row 0 belongs to no step
+Metrics measure(const Trace& trace, const Reference* reference, double until_s);
+
+struct MetricRow {
+  std::string_view name;
+  std::string_view unit;
+  std::string_view meaning;
+  std::optional<double> (*value)(const Metrics&);  // empty: no meaning here, or never happened
+};
+
+/// The one table of metrics; tolerances, help and summaries read it.
+std::span<const MetricRow> metric_table();
+
+/// The row of that name, or null.
+const MetricRow* metric_named(std::string_view name);
+
+/// What a tolerance is held against: the metric's value, where a run that was compared and never lost is lost at
+/// infinity. Empty when the metric has no meaning for the run. Throws UserError for an unknown metric.
+std::optional<double> judged_value(const Tolerance& tolerance, const Metrics& metrics);
+
+/// Whether the metrics, taken until the tolerance's time, keep it. A metric that has no meaning for the run, or that
+/// blew up, keeps nothing.
+bool keeps(const Tolerance& tolerance, const Metrics& metrics);
+
+}  // namespace odeval

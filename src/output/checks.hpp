@@ -1,0 +1,24 @@
+#pragma once
+// Tolerances beside what was measured.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "odeval/scenario.hpp"
+
+namespace odeval {
+
+struct CheckRow {
+  enum class Verdict { kept, failed, left_out };
+
+  std::string scenario;
+  Tolerance tolerance;
+  std::optional<double> measured;  // empty: the metric has no meaning for the run
+  std::optional<double> reference_uncertainty;
+  Verdict verdict = Verdict::failed;  // left_out: the method is not in this build
+};
+
+std::string checks_table(const std::vector<CheckRow>& rows);
+std::string checks_json(const std::vector<CheckRow>& rows);
+
+}  // namespace odeval

@@ -1,0 +1,162 @@
+#include "output/summary.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "measure/metrics.hpp"
+#include "output/json_number.hpp"
+#include "output/number.hpp"
+
+namespace odeval {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const std::optional<double>& number) { return number ? json_number(*number) : Json(); }
+
+Json json_of(const std::vector<double>& numbers) {
+  Json list = Json::array();
+  for (const double number : numbers) list.push_back(json_number(number));
+  return list;
+}
+
+Json json_of(const Link& link) {
+  return {{"mass", link.mass_kg}, {"length", link.length_m}, {"width", link.width_m}, {"depth", link.depth_m}};
+}
+
+Json json_of(const Impact& impact) {
+  return {{"t", json_number(impact.t)},
+          {"q1", json_number(impact.q1)},
+          {"qd_before", json_number(impact.qd_before)},
+          {"qd_after", json_number(impact.qd_after)},
+          {"restitution", json_of(restitution(impact))},
+          {"depth", json_number(impact.depth)}};
+}
+
+Json ode_settings(const Scenario& scenario) {
+  const OdeSettings& ode = scenario.ode;
+  Json json = {{"erp", ode.erp}, {"cfm", ode.cfm}, {"iterations", ode.iterations}, {"sor_w", ode.sor_w}};
+  if (scenario.wall) json["bounce"] = ode.bounce.value_or(scenario.wall->restitution);
+  json["bounce_vel"] = ode.bounce_vel;
+  json["max_correcting_vel"] = json_number(ode.max_correcting_vel);
+  json["surface_layer"] = ode.surface_layer;
+  json["start"] = ode.start == Start::half_step ? "half-step" : "as-given";
+  json["seed"] = ode.seed;
+  return json;
+}
+
+Json settings(const RunSummary& run) {
+  const Scenario& scenario = run.scenario;
+  Json json = {{"step", run.grid.step_s},
+               {"duration", scenario.duration_s},
+               {"sample", scenario.sample_s.value_or(run.grid.step_s)},
+               {"gravity", scenario.gravity},
+               {"q0", json_of(scenario.q0)},
+               {"qd0", json_of(scenario.qd0)}};
+  if (run.rtol) json["rtol"] = *run.rtol;
+  if (run.atol) json["atol"] = *run.atol;
+  json["links"] = Json::array();
+  for (const Link& link : scenario.links) json["links"].push_back(json_of(link));
+  if (scenario.wall) json["wall"] = {{"face", scenario.wall->face_m}, {"restitution", scenario.wall->restitution}};
+  if (run.uses_ode) json["ode"] = ode_settings(scenario);
+  return json;
+}
+
+Json errors_at(const std::vector<Metrics>& error_at) {
+  Json json = Json::object();
+  for (const Metrics& metrics : error_at) {
+    json[number_text(metrics.until_s)] = {{"max_error_q", json_of(metrics.max_error_q)},
+                                          {"rms_error_q", json_of(metrics.rms_error_q)},
+                                          {"reference_uncertainty", json_of(metrics.reference_uncertainty)}};
+  }
+  return json;
+}
+
+std::string cell(const std::optional<double>& number) { return number ? number_text(*number) : ""; }
+
+/// Quoted where a comma, a quote or a line break would break the row.
+std::string cell(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char letter : text) {
+    if (letter == '"') quoted += '"';
+    quoted += letter == '\n' || letter == '\r' ? ' ' : letter;
+  }
+  return quoted + '"';
+}
+
+const Metrics* metrics_at(const RunSummary& run, double time) {
+  for (const Metrics& metrics : run.error_at) {
+    if (metrics.until_s == time) return &metrics;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+std::vector<double> error_times_within(const SampleGrid& grid) {
+  constexpr double rounding_s = 1e-9;
+  std::vector<double> times;
+  for (const double time : error_times) {
+    if (time <= grid.time(grid.rows - 1) + rounding_s) times.push_back(time);
+  }
+  return times;
+}
+
+std::optional<double> restitution(const Impact& impact) {
+  if (impact.qd_before == 0) return std::nullopt;
+  return -impact.qd_after / impact.qd_before;
+}
+
+std::string summary_json(const RunSummary& run) {
+  const Outcome& outcome = run.outcome;
+  Json json = {{"scenario", run.scenario.name}, {"method", run.method}, {"is_reference", run.is_reference}};
+  json["reference"] = run.reference.empty() ? Json() : Json(run.reference);
+  json["settings"] = settings(run);
+  json["versions"] = Json::object();
+  for (const auto& [name, version] : run.versions) json["versions"][name] = version;
+  json["steps"] = outcome.steps;
+  json["evaluations"] = outcome.evaluations;
+  json["messages"] = outcome.messages;
+  json["diverged"] = outcome.diverged;
+  json["reason"] = outcome.reason.empty() ? Json() : Json(outcome.reason);
+  for (const MetricRow& row : metric_table()) json[std::string(row.name)] = json_of(row.value(run.metrics));
+  json["error_at"] = errors_at(run.error_at);
+  if (run.self_difference) json["self_difference"] = json_number(*run.self_difference);
+  json["at_rest_from"] = outcome.at_rest_from < 0 ? Json() : json_number(outcome.at_rest_from);
+  json["impacts"] = Json::array();
+  for (const Impact& impact : outcome.impacts) json["impacts"].push_back(json_of(impact));
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+std::string summary_csv(const std::vector<RunSummary>& runs) {
+  std::string text = "scenario,method,is_reference,step,duration,steps,evaluations,diverged,reason";
+  for (const MetricRow& row : metric_table()) text += fmt::format(",{}", row.name);
+  for (const double time : error_times) {
+    text += fmt::format(",max_error_q_at_{0:g},rms_error_q_at_{0:g},reference_uncertainty_at_{0:g}", time);
+  }
+  text += ",impacts,at_rest_from\n";
+
+  for (const RunSummary& run : runs) {
+    const Outcome& outcome = run.outcome;
+    text += fmt::format("{},{},{},{},{},{},{},{},{}", cell(run.scenario.name), cell(run.method), run.is_reference,
+                        number_text(run.grid.step_s), number_text(run.scenario.duration_s), outcome.steps,
+                        outcome.evaluations, outcome.diverged, cell(outcome.reason));
+    for (const MetricRow& row : metric_table()) text += ',' + cell(row.value(run.metrics));
+    for (const double time : error_times) {
+      const Metrics* at = metrics_at(run, time);
+      const Metrics none;
+      const Metrics& metrics = at == nullptr ? none : *at;
+      text += fmt::format(",{},{},{}", cell(metrics.max_error_q), cell(metrics.rms_error_q),
+                          cell(metrics.reference_uncertainty));
+    }
+    text += fmt::format(",{},{}\n", outcome.impacts.size(),
+                        outcome.at_rest_from < 0 ? "" : number_text(outcome.at_rest_from));
+  }
+  return text;
+}
+
+}  // namespace odeval

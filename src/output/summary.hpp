@@ -1,0 +1,48 @@
+#pragma once
+// One run in one page: settings, versions, errors. Nothing in it depends on the clock: same command, same bytes.
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "odeval/method.hpp"
+#include "odeval/metrics.hpp"
+#include "odeval/scenario.hpp"
+
+namespace odeval {
+
+using NamedTexts = std::vector<std::pair<std::string, std::string>>;
+
+/// Errors are given over the whole run and until these times, s, where they lie within it.
+inline constexpr std::array<double, 5> error_times{1, 2, 3, 5, 10};
+
+/// The error times that a run of this grid reaches.
+std::vector<double> error_times_within(const SampleGrid& grid);
+
+struct RunSummary {
+  Scenario scenario;  // with the command line's settings in place
+  SampleGrid grid;
+  std::string method;
+  bool is_reference = false;   // the others' errors are differences from this run
+  bool uses_ode = false;       // whether [ode] settings took effect
+  std::optional<double> rtol;  // in effect; absent for a fixed step
+  std::optional<double> atol;
+  Outcome outcome;
+  Metrics metrics;                        // over the whole run
+  std::vector<Metrics> error_at;          // one per error time within the run
+  std::optional<double> self_difference;  // rad, between the two step sizes of a method that certifies itself
+  std::string reference;                  // how it was solved; empty without one
+  NamedTexts versions;
+};
+
+/// What an impact kept of the speed it found; empty when it found none.
+std::optional<double> restitution(const Impact& impact);
+
+/// Object with the keys of the result files. Metrics without meaning are null, infinite numbers the string "inf".
+std::string summary_json(const RunSummary& run);
+
+/// A header and one row a method. Metrics without meaning are empty cells.
+std::string summary_csv(const std::vector<RunSummary>& runs);
+
+}  // namespace odeval

@@ -1,0 +1,98 @@
+#include "output/table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace odeval {
+
+namespace {
+
+// Letters, not bytes: "±" and "µ" have two bytes in UTF-8.
+std::size_t width_of(const std::string& cell) {
+  return static_cast<std::size_t>(std::count_if(
+      cell.begin(), cell.end(), [](char letter) { return (static_cast<unsigned char>(letter) & 0xC0) != 0x80; }));
+}
+
+const Metrics* metrics_until(const RunSummary& run, double time) {
+  const auto found = std::find_if(run.error_at.begin(), run.error_at.end(),
+                                  [time](const Metrics& metrics) { return metrics.until_s == time; });
+  return found == run.error_at.end() ? nullptr : &*found;
+}
+
+std::string error_cell(const RunSummary& run, const Metrics* metrics) {
+  if (metrics == nullptr) return "-";
+  if (run.is_reference) return "reference";
+  return with_uncertainty(metrics->max_error_q, metrics->reference_uncertainty);
+}
+
+std::string status(const RunSummary& run) {
+  if (run.outcome.diverged) return run.outcome.reason.empty() ? "diverged" : "diverged: " + run.outcome.reason;
+  return "ok";
+}
+
+}  // namespace
+
+TextTable::TextTable(std::string_view align, std::vector<std::string> header) : align_(align) {
+  rows_.push_back(std::move(header));
+}
+
+void TextTable::add(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
+
+std::string TextTable::text() const {
+  std::vector<std::size_t> widths(align_.size());
+  for (const auto& row : rows_) {
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], width_of(row[i]));
+  }
+  std::string text;
+  for (const auto& row : rows_) {
+    std::string line;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const std::string padding(widths[i] - width_of(row[i]), ' ');
+      line += (i == 0 ? "" : "  ") + (align_[i] == 'l' ? row[i] + padding : padding + row[i]);
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + '\n';
+  }
+  return text;
+}
+
+std::string three_digits(const std::optional<double>& number) { return number ? fmt::format("{:.3g}", *number) : "-"; }
+
+std::string with_uncertainty(const std::optional<double>& value, const std::optional<double>& uncertainty) {
+  if (!value || !uncertainty) return three_digits(value);
+  return fmt::format("{:.3g} ± {:.1g}", *value, *uncertainty);
+}
+
+std::string summary_table(const std::vector<RunSummary>& runs, std::span<const double> ns_per_step) {
+  TextTable table("lrrrrrrrrl", {"method", "error to 1 s, rad", "to 3 s", "to the end", "lost at, s", "drift, J",
+                                 "gap, m", "impacts", "µs/step", "status"});
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const RunSummary& run = runs[i];
+    table.add({run.method, error_cell(run, metrics_until(run, 1)), error_cell(run, metrics_until(run, 3)),
+               error_cell(run, &run.metrics), three_digits(run.metrics.divergence_time),
+               three_digits(run.metrics.max_energy_drift), three_digits(run.metrics.max_gap),
+               std::to_string(run.outcome.impacts.size()),
+               i < ns_per_step.size() ? three_digits(ns_per_step[i] / 1e3) : "-", status(run)});
+  }
+  return table.text();
+}
+
+std::string impacts_table(const std::vector<RunSummary>& runs, const std::vector<Impact>& reference, std::size_t most) {
+  TextTable table("lrrrrrrrr", {"method", "impact", "t, s", "q1, rad", "rate before, rad/s", "after", "restitution",
+                                "depth, m", "later than the reference, s"});
+  for (const RunSummary& run : runs) {
+    const std::vector<Impact>& impacts = run.outcome.impacts;
+    for (std::size_t i = 0; i < std::min(impacts.size(), most); ++i) {
+      const Impact& impact = impacts[i];
+      table.add({run.method, std::to_string(i + 1), fmt::format("{:.6g}", impact.t), fmt::format("{:.6g}", impact.q1),
+                 three_digits(impact.qd_before), three_digits(impact.qd_after), three_digits(restitution(impact)),
+                 three_digits(impact.depth),
+                 i < reference.size() ? fmt::format("{:+.3g}", impact.t - reference[i].t) : "-"});
+    }
+    if (impacts.size() > most) table.add({run.method, fmt::format("... {}", impacts.size())});
+  }
+  return table.text();
+}
+
+}  // namespace odeval

@@ -1,0 +1,27 @@
+#pragma once
+// A trace as comma-separated columns, and columns back from such a file.
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "odeval/trace.hpp"
+
+namespace odeval {
+
+/// One header row, one row a sample; columns the trace does not have are left out.
+std::string trace_csv(const Trace& trace);
+
+/// A file of numbers under a header row.
+struct CsvColumns {
+  std::vector<std::string> header;
+  std::vector<Column> columns;  // one per header cell, all of one length
+};
+
+/// Throws UserError, naming `name` and the line, when a row has another number of cells or a cell is no number.
+CsvColumns parse_csv(std::string_view text, const std::string& name);
+
+/// Throws UserError as `parse_csv`, and when the file cannot be read.
+CsvColumns read_csv(const std::filesystem::path& file);
+
+}  // namespace odeval

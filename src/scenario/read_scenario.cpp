@@ -1,0 +1,302 @@
+#include "scenario/read_scenario.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <sstream>
+
+#include "odeval/error.hpp"
+#include "scenario/nearest.hpp"
+#include "scenario/one_line.hpp"
+#include "scenario/toml_tree.hpp"
+
+namespace odeval {
+
+namespace {
+
+std::string joined(std::string_view section, std::string_view name) {
+  return section.empty() ? std::string(name) : fmt::format("{}.{}", section, name);
+}
+
+// As TOML, but numbers as short as the user wrote them, and 20.0 not as the whole number 20.
+std::string text_of(const toml::node& node) {
+  if (node.is_floating_point()) {
+    const std::string text = fmt::format("{}", node.value<double>().value());
+    return text + (text.find_first_not_of("-0123456789") == std::string::npos ? ".0" : "");
+  }
+  if (const toml::array* list = node.as_array()) {
+    std::string text;
+    for (const toml::node& element : *list) text += (text.empty() ? "" : ", ") + text_of(element);
+    return "[" + text + "]";
+  }
+  std::ostringstream out;
+  node.visit([&out](const auto& value) { out << value; });
+  return out.str();
+}
+
+std::string shown(const toml::node& node) { return one_line(text_of(node), 60); }
+
+bool is_or_holds(std::string_view key, std::string_view path) {
+  return path == key || (path.starts_with(key) && path[key.size()] == '.');
+}
+
+class Reader {
+ public:
+  Reader(const std::filesystem::path& file, const std::vector<Override>& overrides, const Names& names)
+      : file_(file), overrides_(overrides), names_(names) {}
+
+  Scenario read() {
+    const toml::table tree = toml_tree(file_, overrides_);
+    scenario_.name = file_.stem().string();
+    scenario_.file = file_.string();
+    check_name();
+    read_table(tree, "", "");
+    for (const SectionRow& section : section_table()) {
+      if (const toml::node* node = tree.get(section.name)) read_section(section, *node);
+    }
+    check_against_problem(tree);
+    check_tolerances();
+    check_grid();
+    return scenario_;
+  }
+
+ private:
+  enum class Blame { whole, parts };
+
+  /// The last setting that gave the value at the path, or with Blame::parts something inside it; null: the file did.
+  const Override* setting_of(std::string_view path, Blame blame = Blame::whole) const {
+    for (auto setting = overrides_.rbegin(); setting != overrides_.rend(); ++setting) {
+      if (is_or_holds(setting->key, path)) return &*setting;
+      if (blame == Blame::parts && is_or_holds(path, setting->key)) return &*setting;
+    }
+    return nullptr;
+  }
+
+  /// `where` is the path of the value at fault, `value` its text or empty when there is none.
+  [[noreturn]] void fail(const std::string& where, const std::string& value, const std::string& rule,
+                         Blame blame = Blame::whole) const {
+    const std::string path = one_line(where);
+    if (const Override* setting = setting_of(where, blame)) {
+      throw UserError(fmt::format("{}: {} {}", typed(*setting), path, rule));
+    }
+    const std::string file = one_line(file_.string());
+    throw UserError(value.empty() ? fmt::format("{}: {} {}", file, path, rule)
+                                  : fmt::format("{}: {} = {}: {}", file, path, value, rule));
+  }
+
+  // The name becomes a folder below the output folder and a cell of tables.
+  void check_name() const {
+    const bool plain = std::all_of(scenario_.name.begin(), scenario_.name.end(), [](unsigned char letter) {
+      return std::isalnum(letter) != 0 || letter == '_' || letter == '-' || letter == '.';
+    });
+    if (!plain || scenario_.name.empty() || scenario_.name.front() == '.') {
+      throw UserError(
+          fmt::format("{}: a scenario file is named with letters, digits, '_' and '-'", one_line(file_.string())));
+    }
+  }
+
+  /// Reads one table: `section` names its rows, `path` says where it stands ("links.0").
+  void read_table(const toml::table& table, std::string_view section, const std::string& path) {
+    for (const auto& [key, node] : table) {
+      const KeyRow* row = row_named(section, key.str());
+      if (row != nullptr) {
+        row->put(scenario_, value_of(*row, node, joined(path, key.str())));
+      } else if (!(section.empty() && is_section(key.str()))) {
+        fail_unknown(section, path, key.str(), node);
+      }
+    }
+    for (const KeyRow& row : key_table()) {
+      if (row.section == section && row.required() && !table.contains(row.name)) {
+        fail(joined(path, row.name), "", fmt::format("is missing; it {}", rule_of(row, names_)));
+      }
+    }
+  }
+
+  void read_section(const SectionRow& section, const toml::node& node) {
+    const std::string name(section.name);
+    if (!section.list) {
+      const toml::table* table = node.as_table();
+      if (table == nullptr) fail(name, shown(node), fmt::format("must be a table [{}]", name));
+      if (name == "wall") scenario_.wall.emplace();
+      read_table(*table, name, name);
+      return;
+    }
+    const toml::array* list = node.as_array();
+    if (list == nullptr) fail(name, shown(node), fmt::format("must be tables [[{}]]", name));
+    for (std::size_t i = 0; i < list->size(); ++i) {
+      const std::string path = fmt::format("{}.{}", name, i);
+      const toml::table* table = (*list)[i].as_table();
+      if (table == nullptr) fail(path, shown((*list)[i]), fmt::format("must be a table [[{}]]", name));
+      if (name == "links") {
+        scenario_.links.emplace_back();
+      } else {
+        scenario_.tolerances.emplace_back();
+      }
+      read_table(*table, name, path);
+    }
+  }
+
+  static const KeyRow* row_named(std::string_view section, std::string_view name) {
+    for (const KeyRow& row : key_table()) {
+      if (row.section == section && row.name == name) return &row;
+    }
+    return nullptr;
+  }
+
+  static bool is_section(std::string_view name) {
+    return std::any_of(section_table().begin(), section_table().end(),
+                       [name](const SectionRow& section) { return section.name == name; });
+  }
+
+  // The nearest key by its full name or by its own: `erp` means `ode.erp`. Inside a list the same element is meant.
+  [[noreturn]] void fail_unknown(std::string_view section, const std::string& path, std::string_view key,
+                                 const toml::node& node) const {
+    std::string best;
+    std::size_t least = 0;
+    for (const KeyRow& row : key_table()) {
+      const bool here = row.section == section;
+      const std::size_t distance = std::min(edit_distance(key, row.name) + (here ? 0 : 1),
+                                            edit_distance(joined(section, key), joined(row.section, row.name)));
+      if (best.empty() || distance < least) {
+        least = distance;
+        best = here ? joined(path, row.name) : joined(row.section, row.name);
+      }
+    }
+    const bool alike = least <= 1 + key.size() / 2;
+    fail(joined(path, key), shown(node),
+         alike ? fmt::format("is no known key (nearest: '{}')", best) : "is no known key", Blame::parts);
+  }
+
+  double number_of(const KeyRow& row, const toml::node& node, const std::string& path) const {
+    if (row.kind == KeyKind::whole ? node.is_integer() : node.is_number()) {
+      const double number = node.value<double>().value();
+      const bool inside = row.ends_excluded ? number > row.least && number < row.greatest
+                                            : number >= row.least && number <= row.greatest;
+      if (inside) return number;
+    }
+    KeyRow one = row;
+    if (one.kind == KeyKind::numbers) one.kind = KeyKind::number;
+    fail(path, shown(node), rule_of(one, names_));
+  }
+
+  std::string word_of(const KeyRow& row, const toml::node& node, const std::string& path) const {
+    const std::vector<std::string> allowed = row.allowed(names_);
+    const auto word = node.value<std::string>();
+    if (word && std::find(allowed.begin(), allowed.end(), *word) != allowed.end()) return *word;
+    KeyRow one = row;
+    one.kind = KeyKind::word;
+    constexpr std::size_t readable = 4;
+    if (!word || allowed.size() <= readable) fail(path, shown(node), rule_of(one, names_));
+    fail(path, shown(node), fmt::format("is not known (nearest: '{}')", nearest(*word, allowed)));
+  }
+
+  KeyValue value_of(const KeyRow& row, const toml::node& node, const std::string& path) const {
+    KeyValue value;
+    if (row.kind == KeyKind::number || row.kind == KeyKind::whole) {
+      value.number = number_of(row, node, path);
+    } else if (row.kind == KeyKind::word) {
+      value.word = word_of(row, node, path);
+    } else {
+      const toml::array* list = node.as_array();
+      if (list == nullptr) fail(path, shown(node), rule_of(row, names_));
+      for (std::size_t i = 0; i < list->size(); ++i) {
+        const std::string element = fmt::format("{}.{}", path, i);
+        if (row.kind == KeyKind::numbers) {
+          value.numbers.push_back(number_of(row, (*list)[i], element));
+        } else {
+          value.words.push_back(word_of(row, (*list)[i], element));
+        }
+      }
+    }
+    return value;
+  }
+
+  void check_against_problem(const toml::table& tree) const {
+    const Problem& problem = *scenario_.problem;
+    const auto count = static_cast<std::size_t>(problem.links);
+    if (scenario_.links.size() != count) {
+      fail("links", fmt::format("{} tables", scenario_.links.size()),
+           fmt::format("must be {} table{} [[links]] for {}", count, count == 1 ? "" : "s", problem.name));
+    }
+    for (const auto& [name, column] : {std::pair{"q0", &scenario_.q0}, std::pair{"qd0", &scenario_.qd0}}) {
+      if (column->size() == count) continue;
+      fail(name, shown(*tree.get(name)),
+           fmt::format("must be a list of {} number{} for {}", count, count == 1 ? "" : "s", problem.name));
+    }
+    if (problem.wall && !scenario_.wall) fail("wall", "", fmt::format("is missing; {} needs [wall]", problem.name));
+    if (!problem.wall && scenario_.wall) {
+      fail("wall", "", fmt::format("has no meaning for {}; remove it", problem.name), Blame::parts);
+    }
+    if (problem.wall) check_clear_of_wall();
+  }
+
+  // The corner of the box nearest the wall, which fills x <= face.
+  void check_clear_of_wall() const {
+    const Link& link = scenario_.links[0];
+    const double q = scenario_.q0[0];
+    const double least_x = scenario_.problem->frame.hinge_m[0] + std::fmin(0.0, link.length_m * std::cos(q)) -
+                           link.width_m / 2 * std::fabs(std::sin(q));
+    if (scenario_.wall->face_m > least_x) {
+      const Override* setting = setting_of("wall.face");
+      for (const char* path : {"q0", "links.0.length", "links.0.width"}) {
+        if (setting == nullptr && setting_of(path) != nullptr) {
+          fail(path, "",
+               fmt::format("puts the link into the wall; wall.face is {:.6g} m and may be at most {:.6g} m",
+                           scenario_.wall->face_m, least_x));
+        }
+      }
+      fail("wall.face", fmt::format("{}", scenario_.wall->face_m),
+           fmt::format("must be at most {:.6g} m, or the link starts inside the wall", least_x));
+    }
+  }
+
+  void check_tolerances() const {
+    for (std::size_t i = 0; i < scenario_.tolerances.size(); ++i) {
+      const Tolerance& tolerance = scenario_.tolerances[i];
+      if (!tolerance.at_most && !tolerance.at_least) {
+        fail(fmt::format("tolerances.{}", i), "", "must have at_most or at_least");
+      }
+    }
+  }
+
+  // What no single key can be blamed for is blamed on a setting if there is one.
+  void check_grid() const {
+    if (scenario_.duration_s < scenario_.step_s) {
+      const bool step_typed = setting_of("step") != nullptr && setting_of("duration") == nullptr;
+      const std::string rule = fmt::format("step is {} s and duration {} s", scenario_.step_s, scenario_.duration_s);
+      if (step_typed) fail("step", "", "must be at most the duration: " + rule);
+      fail("duration", fmt::format("{}", scenario_.duration_s), "must be at least one step: " + rule);
+    }
+    if (scenario_.sample_s.value_or(0) > scenario_.duration_s) {
+      fail(
+          setting_of("sample") == nullptr && setting_of("duration") != nullptr ? "duration" : "sample",
+          fmt::format("{}", *scenario_.sample_s),
+          fmt::format("must not leave sample = {} s above duration = {} s", *scenario_.sample_s, scenario_.duration_s));
+    }
+    try {
+      sample_grid(scenario_);
+    } catch (const UserError& error) {
+      for (const char* path : {"sample", "step", "duration"}) {
+        if (const Override* setting = setting_of(path)) {
+          throw UserError(fmt::format("{}: {}", typed(*setting), error.what()));
+        }
+      }
+      throw UserError(fmt::format("{}: {}", one_line(file_.string()), error.what()));
+    }
+  }
+
+  const std::filesystem::path& file_;
+  const std::vector<Override>& overrides_;
+  const Names& names_;
+  Scenario scenario_;
+};
+
+}  // namespace
+
+Scenario read_scenario(const std::filesystem::path& file, const std::vector<Override>& overrides, const Names& names) {
+  return Reader(file, overrides, names).read();
+}
+
+}  // namespace odeval

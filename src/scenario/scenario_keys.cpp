@@ -1,0 +1,140 @@
+#include "scenario/scenario_keys.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <limits>
+
+namespace odeval {
+
+namespace {
+
+constexpr double inf = std::numeric_limits<double>::infinity();
+
+std::vector<std::string> problem_names(const Names&) {
+  std::vector<std::string> names;
+  for (const Problem& problem : problems) names.emplace_back(problem.name);
+  return names;
+}
+std::vector<std::string> start_names(const Names&) { return {"as-given", "half-step"}; }
+std::vector<std::string> method_names(const Names& names) { return names.methods; }
+std::vector<std::string> metric_names(const Names& names) { return names.metrics; }
+
+const Problem* problem_named(const std::string& name) {
+  for (const Problem& problem : problems) {
+    if (problem.name == name) return &problem;
+  }
+  return nullptr;
+}
+
+using S = Scenario;
+using V = KeyValue;
+constexpr auto number = KeyKind::number;
+constexpr auto whole = KeyKind::whole;
+constexpr auto numbers = KeyKind::numbers;
+constexpr auto word = KeyKind::word;
+constexpr auto words = KeyKind::words;
+
+// The ranges are generous, yet keep every quantity ODE forms before its first step a normal number in single precision:
+// the least moment of inertia is 1e-6 (1e-4)^2 / 6 = 2e-15 kg m^2, 1/h^2 is at most 1e14. At all their corners ODE
+// 0.16.2 sets up without an assert in both precisions; what blows up later is a diverged run, not a bad value.
+//
+// clang-format off
+constexpr KeyRow rows[] = {
+  {"", "problem",  word,    "",      0, 0,       false, problem_names, "", "what is simulated",
+      [](S& s, const V& v) { s.problem = problem_named(v.word); }},
+  {"", "duration", number,  "s",     1e-7, 1e5,  false, nullptr, "", "simulated time",
+      [](S& s, const V& v) { s.duration_s = v.number; }},
+  {"", "step",     number,  "s",     1e-7, 1,    false, nullptr, "0.001", "step size; without --sample also the spacing of rows",
+      [](S& s, const V& v) { s.step_s = v.number; }},
+  {"", "sample",   number,  "s",     1e-7, 1e5,  false, nullptr, "every step", "spacing of trace rows, a whole number of steps",
+      [](S& s, const V& v) { s.sample_s = v.number; }},
+  {"", "gravity",  number,  "m/s²",  0, 1e4,     false, nullptr, "9.81", "downwards",
+      [](S& s, const V& v) { s.gravity = v.number; }},
+  {"", "q0",       numbers, "rad",   -1e3, 1e3,  false, nullptr, "", "angles at t = 0: q1 from the horizontal, the others relative to the link before",
+      [](S& s, const V& v) { s.q0 = v.numbers; }},
+  {"", "qd0",      numbers, "rad/s", -1e3, 1e3,  false, nullptr, "", "rates at t = 0",
+      [](S& s, const V& v) { s.qd0 = v.numbers; }},
+  {"", "rtol",     number,  "",      1e-14, 0.1, false, nullptr, "the method's own", "relative tolerance of adaptive methods",
+      [](S& s, const V& v) { s.rtol = v.number; }},
+  {"", "atol",     number,  "",      1e-20, 0.1, false, nullptr, "the method's own", "absolute tolerance of adaptive methods",
+      [](S& s, const V& v) { s.atol = v.number; }},
+  {"", "methods",  words,   "",      0, 0,       false, method_names, "none", "what runs without --method",
+      [](S& s, const V& v) { s.methods = v.words; }},
+
+  {"links", "mass",   number, "kg", 1e-6, 1e6, false, nullptr, "", "of a uniform box",
+      [](S& s, const V& v) { s.links.back().mass_kg = v.number; }},
+  {"links", "length", number, "m",  1e-4, 1e3, false, nullptr, "", "from hinge to hinge",
+      [](S& s, const V& v) { s.links.back().length_m = v.number; }},
+  {"links", "width",  number, "m",  1e-4, 1e3, false, nullptr, "", "across the link, in the plane of swing",
+      [](S& s, const V& v) { s.links.back().width_m = v.number; }},
+  {"links", "depth",  number, "m",  1e-4, 1e3, false, nullptr, "", "along the hinge",
+      [](S& s, const V& v) { s.links.back().depth_m = v.number; }},
+
+  {"wall", "face",        number, "m", -1e4, 1e4, false, nullptr, "", "x of the wall's face; the hinge is at x = 1",
+      [](S& s, const V& v) { s.wall->face_m = v.number; }},
+  {"wall", "restitution", number, "",  0, 1,      false, nullptr, "1", "speed after an impact over speed before",
+      [](S& s, const V& v) { s.wall->restitution = v.number; }},
+
+  {"ode", "erp",                number, "",       0, 1,          false, nullptr, "0.2", "error reduction parameter",
+      [](S& s, const V& v) { s.ode.erp = v.number; }},
+  {"ode", "cfm",                number, "",       0, 1e3,        false, nullptr, "1e-5", "constraint force mixing",
+      [](S& s, const V& v) { s.ode.cfm = v.number; }},
+  {"ode", "iterations",         whole,  "",       1, 100000,     false, nullptr, "20", "of QuickStep",
+      [](S& s, const V& v) { s.ode.iterations = static_cast<int>(v.number); }},
+  {"ode", "sor_w",              number, "",       0, 2,          true,  nullptr, "1.3", "over-relaxation of QuickStep",
+      [](S& s, const V& v) { s.ode.sor_w = v.number; }},
+  {"ode", "bounce",             number, "",       0, 1,          false, nullptr, "wall.restitution", "restitution of contacts",
+      [](S& s, const V& v) { s.ode.bounce = v.number; }},
+  {"ode", "bounce_vel",         number, "m/s",    0, 1e6,        false, nullptr, "0", "slower contacts do not bounce",
+      [](S& s, const V& v) { s.ode.bounce_vel = v.number; }},
+  {"ode", "max_correcting_vel", number, "m/s",    0, inf,        false, nullptr, "inf", "limit on the speed that mends an overlap",
+      [](S& s, const V& v) { s.ode.max_correcting_vel = v.number; }},
+  {"ode", "surface_layer",      number, "m",      0, 1e3,        false, nullptr, "0", "overlap of contacts that is left alone",
+      [](S& s, const V& v) { s.ode.surface_layer = v.number; }},
+  {"ode", "start",              word,   "",       0, 0,          false, start_names, "as-given", "velocities at t = 0 as given, or those of half a step before",
+      [](S& s, const V& v) { s.ode.start = v.word == "half-step" ? Start::half_step : Start::as_given; }},
+  {"ode", "seed",               whole,  "",       0, 4294967295, false, nullptr, "0", "of ODE's random numbers (QuickStep)",
+      [](S& s, const V& v) { s.ode.seed = static_cast<std::uint32_t>(v.number); }},
+
+  {"tolerances", "method",   word,   "",  0, 0,       false, method_names, "", "whose metric",
+      [](S& s, const V& v) { s.tolerances.back().method = v.word; }},
+  {"tolerances", "metric",   word,   "",  0, 0,       false, metric_names, "", "what is held",
+      [](S& s, const V& v) { s.tolerances.back().metric = v.word; }},
+  {"tolerances", "until",    number, "s", 1e-7, 1e5,  false, nullptr, "", "the metric's last sample",
+      [](S& s, const V& v) { s.tolerances.back().until_s = v.number; }},
+  {"tolerances", "at_most",  number, "",  -1e300, 1e300, false, nullptr, "at_least stands alone", "greatest value allowed, in the metric's unit",
+      [](S& s, const V& v) { s.tolerances.back().at_most = v.number; }},
+  {"tolerances", "at_least", number, "",  -1e300, 1e300, false, nullptr, "at_most stands alone", "least value allowed, in the metric's unit",
+      [](S& s, const V& v) { s.tolerances.back().at_least = v.number; }},
+};
+// clang-format on
+
+constexpr SectionRow sections[] = {{"links", true}, {"wall", false}, {"ode", false}, {"tolerances", true}};
+
+}  // namespace
+
+std::span<const KeyRow> key_table() { return rows; }
+std::span<const SectionRow> section_table() { return sections; }
+
+std::string rule_of(const KeyRow& row, const Names& names) {
+  const std::string range = row.ends_excluded
+                                ? fmt::format("between {:.10g} and {:.10g}, ends excluded", row.least, row.greatest)
+                                : fmt::format("from {:.10g} to {:.10g}", row.least, row.greatest);
+  const std::string unit = row.unit.empty() ? "" : fmt::format(" {}", row.unit);
+  switch (row.kind) {
+    case KeyKind::number:
+      return fmt::format("must be a number {}{}", range, unit);
+    case KeyKind::whole:
+      return fmt::format("must be a whole number {}{}", range, unit);
+    case KeyKind::numbers:
+      return fmt::format("must be a list of numbers {}{}", range, unit);
+    case KeyKind::word:
+    case KeyKind::words:
+      break;
+  }
+  return fmt::format("must be {} {}", row.kind == KeyKind::word ? "one of" : "a list of",
+                     fmt::join(row.allowed(names), ", "));
+}
+
+}  // namespace odeval

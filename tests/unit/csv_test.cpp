@@ -1,0 +1,133 @@
+// The trace file: columns in their order, numbers back bit for bit, broken files refused.
+#include <bit>
+#include <clocale>
+#include <cstdint>
+#include <cstdlib>
+#include <limits>
+#include <numeric>
+#include <random>
+
+#include "odeval/error.hpp"
+#include "output/number.hpp"
+#include "output/trace_csv.hpp"
+#include "tests/check.hpp"
+
+namespace {
+
+using namespace odeval;
+
+std::uint64_t bits(double number) { return std::bit_cast<std::uint64_t>(number); }
+
+double back(double number) { return parse_csv("x\n" + number_text(number) + "\n", "text").columns[0][0]; }
+
+void numbers_come_back_bit_for_bit() {
+  using limits = std::numeric_limits<double>;
+  for (const double number : {0.0, -0.0, 1.0, 0.1, 1.0 / 3, 1e22, 1e23, 123456789012345678.0, 5e-324,
+                              2.2250738585072009e-308, limits::min(), -limits::min(), limits::max(), limits::lowest(),
+                              limits::epsilon(), limits::infinity(), -limits::infinity(), -2.2250738585072014e-308}) {
+    CHECK_EQUAL(bits(back(number)), bits(number));
+  }
+  CHECK(std::isnan(back(limits::quiet_NaN())));
+
+  std::mt19937_64 random(1);
+  for (int k = 0; k < 100000; ++k) {  // any bits, so all exponents
+    const double number = std::bit_cast<double>(random());
+    if (std::isnan(number)) continue;
+    const std::string text = number_text(number);
+    if (text.size() > longest_number || bits(back(number)) != bits(number))
+      CHECK_EQUAL(text, odeval::test::shown(number));
+  }
+}
+
+void numbers_are_short() {
+  CHECK_EQUAL(number_text(0), "0");
+  CHECK_EQUAL(number_text(-0.0), "-0");
+  CHECK_EQUAL(number_text(1), "1");
+  CHECK_EQUAL(number_text(0.1), "0.1");
+  CHECK_EQUAL(number_text(1e-4), "0.0001");
+  CHECK_EQUAL(number_text(1e22), "1e+22");
+  CHECK_EQUAL(number_text(5e-324), "5e-324");
+  CHECK_EQUAL(number_text(std::numeric_limits<double>::infinity()), "inf");
+  CHECK_EQUAL(number_text(-std::numeric_limits<double>::quiet_NaN()), "nan");
+}
+
+// A trace with a different number in every cell: column c, row k holds 100 c + k.
+Trace numbered_trace(std::size_t links, bool with_bodies, bool with_errors) {
+  double next = 0;
+  const auto fill = [&next](Column& column) {
+    column.resize(2);
+    std::iota(column.begin(), column.end(), next);
+    next += 100;
+  };
+  Trace trace;
+  fill(trace.t);
+  for (auto* columns : {&trace.q, &trace.qd}) {
+    columns->resize(links);
+    for (Column& column : *columns) fill(column);
+  }
+  for (auto* column : {&trace.kinetic, &trace.potential, &trace.gap, &trace.out_of_plane}) fill(*column);
+  if (with_errors) trace.error_q.resize(links);
+  for (Column& column : trace.error_q) fill(column);
+  fill(trace.contacts);
+  if (with_bodies) trace.bodies.resize(links);
+  for (BodyColumns& body : trace.bodies) {
+    for (Column& column : body.position) fill(column);
+    for (Column& column : body.rotation) fill(column);
+    for (Column& column : body.velocity) fill(column);
+    for (Column& column : body.spin) fill(column);
+    for (Column& column : body.joint_force) fill(column);
+  }
+  return trace;
+}
+
+void columns_stand_in_their_order() {
+  CHECK_EQUAL(trace_csv(numbered_trace(1, false, false)),
+              "t,q1,qd1,kinetic,potential,energy,energy_drift,gap,out_of_plane,contacts\n"
+              "0,100,200,300,400,700,0,500,600,700\n"
+              "1,101,201,301,401,702,2,501,601,701\n");
+
+  const std::string text = trace_csv(numbered_trace(2, true, true));
+  CHECK_EQUAL(text.substr(0, text.find('\n')),
+              "t,q1,q2,qd1,qd2,kinetic,potential,energy,energy_drift,gap,out_of_plane,error_q1,error_q2,contacts,"
+              "x1,y1,z1,r111,r112,r113,r121,r122,r123,r131,r132,r133,vx1,vy1,vz1,wx1,wy1,wz1,fx1,fy1,fz1,"
+              "x2,y2,z2,r211,r212,r213,r221,r222,r223,r231,r232,r233,vx2,vy2,vz2,wx2,wy2,wz2,fx2,fy2,fz2");
+  const CsvColumns table = parse_csv(text, "text");
+  CHECK_EQUAL(table.header.size(), 56u);
+  CHECK_EQUAL(table.columns.size(), 56u);
+  CHECK_EQUAL(table.columns[55].size(), 2u);
+  CHECK_EQUAL(table.header[33], "fy1");
+  CHECK_EQUAL(table.columns[33][1], 3101.0);  // 33 columns before it, two of them derived
+  CHECK_EQUAL(table.columns[8][1], 2.0);      // energy_drift
+}
+
+// A locale with a decimal comma must not reach the file; where none is installed there is nothing to see.
+void locale_does_not_matter() {
+  for (const char* name : {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8"}) std::setlocale(LC_ALL, name);
+  CHECK_EQUAL(number_text(0.5), "0.5");
+  CHECK_EQUAL(back(0.5), 0.5);
+  std::setlocale(LC_ALL, "C");
+}
+
+void broken_files_are_refused() {
+  CHECK_THROWS(parse_csv("a,b\n1,2\n3\n", "x.csv"), UserError, "x.csv:3: has fewer cells than the header");
+  CHECK_THROWS(parse_csv("a,b\n1,2,3\n", "x.csv"), UserError, "x.csv:2: has more cells than the header");
+  CHECK_THROWS(parse_csv("a,b\n1,two\n", "x.csv"), UserError, "x.csv:2: b: 'two' is no number");
+  CHECK_THROWS(parse_csv("a,b\n1,\n", "x.csv"), UserError, "x.csv:2: b: '' is no number");
+  CHECK_THROWS(parse_csv("a,b\n1,2x\n", "x.csv"), UserError, "'2x' is no number");
+  CHECK_THROWS(read_csv("no/such.csv"), UserError, "no/such.csv: cannot be read");
+  CHECK_THROWS(read_csv("/"), UserError, "cannot be read");
+  CHECK_EQUAL(parse_csv("", "x.csv").header.size(), 0u);
+  CHECK_EQUAL(parse_csv("a\r\n1\r\n", "x.csv").columns[0][0], 1.0);
+  CHECK_EQUAL(parse_csv("a\n1", "x.csv").columns[0].size(), 1u);
+}
+
+}  // namespace
+
+int main() {
+  numbers_come_back_bit_for_bit();
+  numbers_are_short();
+  columns_stand_in_their_order();
+  locale_does_not_matter();
+  broken_files_are_refused();
+  return odeval::test::verdict();
+}

@@ -1,0 +1,379 @@
+// Traces with known errors, and poses with known angles, energies and gaps.
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "measure/cartesian_trace.hpp"
+#include "measure/metrics.hpp"
+#include "odeval/error.hpp"
+#include "tests/check.hpp"
+
+namespace {
+
+using namespace odeval;
+
+constexpr double pi = 3.14159265358979323846;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+const double nan = std::nan("");
+
+// Rounding of a few operations on numbers of order 1 to 100.
+constexpr double rounding = 1e-12;
+
+Scenario scenario_of(const char* problem_name) {
+  Scenario scenario;
+  for (const Problem& problem : problems) {
+    if (problem.name == problem_name) scenario.problem = &problem;
+  }
+  const auto links = static_cast<std::size_t>(scenario.problem->links);
+  scenario.links.assign(links, Link{2.0, 1.2, 0.1, 0.3});
+  scenario.q0.assign(links, 0.0);
+  scenario.qd0.assign(links, 0.0);
+  scenario.duration_s = 1;
+  scenario.step_s = 0.01;
+  return scenario;
+}
+
+/// Bodies of a chain whose absolute angles turn at constant rates, joints closed.
+void append_pose(const Scenario& scenario, const std::vector<double>& angles, const std::vector<double>& rates,
+                 Rows& rows) {
+  const PlanarFrame& frame = scenario.problem->frame;
+  const Vec3 axis = frame.axis();
+  double* row = rows.append();
+  Vec3 anchor = frame.hinge_m;
+  Vec3 anchor_velocity{};
+  for (std::size_t i = 0; i < scenario.links.size(); ++i) {
+    const double a = angles[i];
+    const double length = scenario.links[i].length_m;
+    Vec3 along{}, across{};
+    for (std::size_t d = 0; d < 3; ++d) {
+      along[d] = frame.horizontal[d] * std::cos(a) + frame.up[d] * std::sin(a);
+      across[d] = -frame.horizontal[d] * std::sin(a) + frame.up[d] * std::cos(a);
+    }
+    BodyState body{};
+    for (std::size_t d = 0; d < 3; ++d) {
+      body.position[d] = anchor[d] + length / 2 * along[d];
+      body.velocity[d] = anchor_velocity[d] + length / 2 * rates[i] * across[d];
+      body.spin[d] = rates[i] * axis[d];
+      anchor[d] += length * along[d];
+      anchor_velocity[d] += length * rates[i] * across[d];
+      // R takes along_body to along, across_body to across, their cross product to the axis.
+      const Vec3 third = cross(frame.along_body, frame.across_body);
+      for (std::size_t c = 0; c < 3; ++c) {
+        body.rotation[3 * d + c] =
+            along[d] * frame.along_body[c] + across[d] * frame.across_body[c] + axis[d] * third[c];
+      }
+    }
+    std::memcpy(row + i * body_numbers, &body, sizeof body);
+  }
+  row[scenario.links.size() * body_numbers] = 0;
+}
+
+Rows rows_for(const Scenario& scenario, const SampleGrid& grid) {
+  return Rows(scenario.links.size() * body_numbers + 1, static_cast<std::size_t>(grid.rows));
+}
+
+void frames_are_right_handed() {
+  for (const Problem& problem : problems) {
+    const PlanarFrame& frame = problem.frame;
+    CHECK_NEAR(dot(frame.along_body, frame.across_body), 0, 0);
+    CHECK_EQUAL(frame.up[2], 1.0);
+    // The box's third side lies along the hinge, whichever way the report's axis points.
+    CHECK_EQUAL(std::fabs(dot(frame.hinge_axis, frame.axis())), 1.0);
+    CHECK_EQUAL(std::fabs(dot(frame.hinge_axis, cross(frame.along_body, frame.across_body))), 1.0);
+  }
+}
+
+// A link that turns steadily, many turns, in both frames: everything is known in closed form.
+void a_turning_link_is_measured_exactly(const char* problem, double q0, double rate) {
+  Scenario scenario = scenario_of(problem);
+  scenario.q0 = {q0};
+  scenario.gravity = 9.0;
+  const SampleGrid grid = sample_grid(scenario);
+  Rows rows = rows_for(scenario, grid);
+  for (long k = 0; k < grid.rows; ++k) append_pose(scenario, {q0 + rate * grid.time(k)}, {rate}, rows);
+  const Trace trace = cartesian_trace(scenario, grid, rows);
+
+  const double m = 2.0, l = 1.2, w = 0.1;
+  const double kinetic = 0.5 * rate * rate * (m * l * l / 4 + m * (l * l + w * w) / 12);
+  double error = 0;
+  for (std::size_t k = 0; k < trace.rows(); ++k) {
+    const double q = q0 + rate * trace.t[k];
+    const double potential = m * 9.0 * l / 2 * std::sin(q);
+    error = std::fmax(error, std::fabs(trace.q[0][k] - q));
+    error = std::fmax(error, std::fabs(trace.qd[0][k] - rate));
+    error = std::fmax(error, std::fabs(trace.kinetic[k] - kinetic) / (1 + kinetic));
+    error = std::fmax(error, std::fabs(trace.potential[k] - potential));
+    error = std::fmax(error, trace.gap[k]);
+    error = std::fmax(error, trace.out_of_plane[k]);
+  }
+  CHECK_EQUAL(trace.rows(), 101u);
+  CHECK_NEAR(error, 0, rounding);
+  CHECK_EQUAL(trace.bodies.size(), 1u);
+  CHECK_EQUAL(trace.bodies[0].position[2][0], rows.row(0)[2]);
+  CHECK_EQUAL(trace.bodies[0].joint_force[2][100], rows.row(100)[body_numbers - 1]);
+}
+
+void relative_angles_of_two_links() {
+  Scenario scenario = scenario_of("double_pendulum");
+  scenario.q0 = {pi / 4, -pi / 4};
+  const SampleGrid grid = sample_grid(scenario);
+  Rows rows = rows_for(scenario, grid);
+  for (long k = 0; k < grid.rows; ++k) {
+    const double t = grid.time(k);
+    append_pose(scenario, {pi / 4 - 20 * t, 30 * t}, {-20, 30}, rows);
+  }
+  const Trace trace = cartesian_trace(scenario, grid, rows);
+  CHECK_NEAR(trace.q[0].back(), pi / 4 - 20, rounding);
+  CHECK_NEAR(trace.q[1].back(), 30 - (pi / 4 - 20), rounding);
+  CHECK_NEAR(trace.qd[0].back(), -20, rounding);
+  CHECK_NEAR(trace.qd[1].back(), 50, rounding);
+  CHECK_NEAR(trace.gap.back(), 0, rounding);
+}
+
+// 100 rad/s sampled every 0.05 s: 5 rad between rows, more than half a turn, is followed by the measured rate.
+void sparse_rows_keep_their_turns() {
+  Scenario scenario = scenario_of("single_pendulum");
+  scenario.sample_s = 0.05;
+  const SampleGrid grid = sample_grid(scenario);
+  Rows rows = rows_for(scenario, grid);
+  for (long k = 0; k < grid.rows; ++k) append_pose(scenario, {100 * grid.time(k)}, {100}, rows);
+  CHECK_NEAR(cartesian_trace(scenario, grid, rows).q[0].back(), 100, rounding);
+}
+
+double& number_of(Rows& rows, std::size_t row, std::size_t body, std::size_t offset) {
+  return rows.row(row)[body * body_numbers + offset];
+}
+
+void faults_of_the_pose_show() {
+  const Scenario scenario = scenario_of("double_pendulum");
+  SampleGrid grid = sample_grid(scenario);
+  grid.rows = 4;
+  Rows rows = rows_for(scenario, grid);
+  for (long k = 0; k < grid.rows; ++k) append_pose(scenario, {0, 0}, {0, 0}, rows);
+  number_of(rows, 1, 1, 1) += 1e-3;   // y of link 2: its anchor leaves that of link 1
+  number_of(rows, 2, 0, 0) -= 2e-3;   // x of link 1: out of plane, and away from both its anchors
+  number_of(rows, 3, 0, 15) = 4;      // spin of link 1 about x, the hinge
+  number_of(rows, 3, 1, 16) = 3;      // spin of link 2 about y, its long axis at angle 0
+  rows.row(3)[2 * body_numbers] = 2;  // contacts
+  const Trace trace = cartesian_trace(scenario, grid, rows);
+  CHECK_NEAR(trace.gap[0], 0, rounding);
+  CHECK_NEAR(trace.gap[1], 1e-3, rounding);
+  CHECK_NEAR(trace.gap[2], 2e-3, rounding);
+  CHECK_NEAR(trace.out_of_plane[1], 0, rounding);
+  CHECK_NEAR(trace.out_of_plane[2], 2e-3, rounding);
+  // m (l^2 + w^2) / 12 about the hinge, m (w^2 + d^2) / 12 about the long axis.
+  const double hinge = 2.0 * (1.2 * 1.2 + 0.1 * 0.1) / 12;
+  const double length = 2.0 * (0.1 * 0.1 + 0.3 * 0.3) / 12;
+  CHECK_NEAR(trace.kinetic[3], 0.5 * (hinge * 16 + length * 9), rounding);
+  CHECK_EQUAL(trace.contacts[2], 0.0);
+  CHECK_EQUAL(trace.contacts[3], 2.0);
+}
+
+void a_broken_row_stays_broken() {
+  const Scenario scenario = scenario_of("double_pendulum");
+  SampleGrid grid = sample_grid(scenario);
+  grid.rows = 2;
+  Rows rows = rows_for(scenario, grid);
+  for (long k = 0; k < grid.rows; ++k) append_pose(scenario, {0, 0}, {0, 0}, rows);
+  number_of(rows, 1, 0, 0) = nan;
+  const Trace trace = cartesian_trace(scenario, grid, rows);
+  CHECK(std::isnan(trace.gap[1]));
+  CHECK(std::isnan(trace.out_of_plane[1]));
+  const Metrics metrics = measure(trace, nullptr, 1);
+  CHECK_EQUAL(metrics.max_gap, infinity);
+  CHECK_EQUAL(metrics.max_out_of_plane, infinity);
+}
+
+/// Five samples, 1 s apart, of two angles that stand still in the reference.
+Trace still_trace() {
+  Trace trace;
+  trace.t = {0, 1, 2, 3, 4};
+  trace.q.assign(2, Column(5, 0.5));
+  trace.qd.assign(2, Column(5));
+  for (Column* column : {&trace.kinetic, &trace.potential, &trace.gap, &trace.out_of_plane, &trace.contacts}) {
+    column->assign(5, 0.0);
+  }
+  return trace;
+}
+
+Reference still_reference() {
+  Reference reference;
+  reference.trace = still_trace();
+  reference.uncertainty_q = {0, 1e-9, 2e-9, 3e-9, 4e-9};
+  reference.joint_force.assign(2, {Column(5, 1.0), Column(5, 2.0), Column(5, 3.0)});
+  return reference;
+}
+
+Trace with_bodies(Trace trace) {
+  trace.bodies.resize(2);
+  for (BodyColumns& body : trace.bodies) body.joint_force = {Column(5, 1.0), Column(5, 2.0), Column(5, 3.0)};
+  return trace;
+}
+
+void errors_are_differences_from_the_reference() {
+  Trace trace = still_trace();
+  trace.q[0] = {0.5, 0.51, 0.5, 0.5, 0.5};
+  trace.q[1] = {0.5, 0.5, 0.47, 0.65, 0.5};
+  compare(trace, still_reference());
+  CHECK_NEAR(trace.error_q[0][1], 0.01, 1e-15);
+  CHECK_NEAR(trace.error_q[1][2], -0.03, 1e-15);
+
+  const Reference reference = still_reference();
+  const Metrics at_1 = measure(trace, &reference, 1);
+  CHECK_NEAR(at_1.max_error_q.value(), 0.01, 1e-15);
+  CHECK_NEAR(at_1.rms_error_q.value(), 0.01 / 2, 1e-15);  // one of four samples
+  CHECK_EQUAL(at_1.reference_uncertainty.value(), 1e-9);
+  CHECK(!at_1.divergence_time);
+  CHECK(!at_1.max_reaction_error);  // no bodies
+  CHECK_NEAR(measure(trace, &reference, 2.9999).max_error_q.value(), 0.03, 1e-15);
+  CHECK_NEAR(measure(trace, &reference, 3 - 1e-12).max_error_q.value(), 0.15, 1e-15);  // 3, up to rounding
+  const Metrics all = measure(trace, &reference, 10);
+  CHECK_EQUAL(all.divergence_time.value(), 3.0);
+  CHECK_EQUAL(all.reference_uncertainty.value(), 4e-9);
+  CHECK_NEAR(all.rms_error_q.value(), std::sqrt((0.01 * 0.01 + 0.03 * 0.03 + 0.15 * 0.15) / 10), 1e-15);
+
+  const Metrics alone = measure(still_trace(), nullptr, 10);
+  CHECK(!alone.max_error_q && !alone.rms_error_q && !alone.reference_uncertainty && !alone.divergence_time);
+}
+
+void other_times_are_refused() {
+  const Reference reference = still_reference();
+  Trace shifted = still_trace();
+  shifted.t[2] = 2.5;
+  CHECK_THROWS(compare(shifted, reference), MachineError, "times of the trace");
+  Trace single = still_trace();
+  single.q.pop_back();
+  CHECK_THROWS(compare(single, reference), MachineError, "2 angles, the trace 1");
+  Reference shorter = still_reference();
+  shorter.trace.t.pop_back();
+  Trace trace = still_trace();
+  CHECK_THROWS(compare(trace, shorter), MachineError, "times of the trace");
+}
+
+void drift_is_counted_from_the_start() {
+  Trace trace = still_trace();
+  trace.kinetic = {1, 1, 1, 1, 1};
+  trace.potential = {-3, -3, -1, -7, -4};
+  const Metrics metrics = measure(trace, nullptr, 4);
+  CHECK_EQUAL(metrics.max_energy_drift, 4.0);
+  CHECK_EQUAL(metrics.final_energy_drift, -1.0);
+  CHECK_NEAR(metrics.rms_energy_drift, std::sqrt((4.0 + 16.0 + 1.0) / 5), 1e-15);
+  CHECK_EQUAL(measure(trace, nullptr, 2).max_energy_drift, 2.0);
+  CHECK_EQUAL(measure(trace, nullptr, 2).final_energy_drift, 2.0);
+}
+
+void not_a_number_is_never_small() {
+  const Reference reference = still_reference();
+  for (const double broken : {nan, infinity, -infinity}) {
+    Trace trace = with_bodies(still_trace());
+    trace.q[1][2] = broken;
+    trace.kinetic[3] = broken;
+    trace.gap[1] = broken;
+    trace.out_of_plane[1] = broken;
+    trace.bodies[0].joint_force[1][2] = broken;
+    compare(trace, reference);
+    const Metrics metrics = measure(trace, &reference, 4);
+    CHECK_EQUAL(metrics.max_error_q.value(), infinity);
+    CHECK_EQUAL(metrics.rms_error_q.value(), infinity);
+    CHECK_EQUAL(metrics.divergence_time.value(), 2.0);
+    CHECK_EQUAL(metrics.max_energy_drift, infinity);
+    CHECK_EQUAL(metrics.rms_energy_drift, infinity);
+    CHECK_EQUAL(metrics.max_gap, infinity);
+    CHECK_EQUAL(metrics.max_out_of_plane, infinity);
+    CHECK_EQUAL(metrics.max_reaction_error.value(), infinity);
+    CHECK_EQUAL(measure(trace, &reference, 0).max_error_q.value(), 0.0);
+  }
+}
+
+void a_run_that_ended_early_is_lost() {
+  const Reference reference = still_reference();
+  Trace trace = still_trace();
+  for (Column* column : {&trace.t, &trace.q[0], &trace.q[1], &trace.kinetic, &trace.potential, &trace.gap,
+                         &trace.out_of_plane, &trace.contacts}) {
+    column->resize(2);
+  }
+  compare(trace, reference);
+  CHECK_EQUAL(measure(trace, &reference, 1).max_error_q.value(), 0.0);
+  const Metrics metrics = measure(trace, &reference, 4);
+  CHECK_EQUAL(metrics.max_error_q.value(), infinity);
+  CHECK_EQUAL(metrics.divergence_time.value(), 2.0);  // the first sample it lacks
+  CHECK_EQUAL(metrics.max_energy_drift, infinity);
+}
+
+void reactions_count_without_contact_and_after_the_first_row() {
+  const Reference reference = still_reference();
+  Trace trace = with_bodies(still_trace());
+  trace.bodies[0].joint_force[0][0] = 100;  // row 0: of no step
+  trace.bodies[1].joint_force[2][1] = 50;
+  trace.contacts[1] = 1;
+  trace.bodies[1].joint_force[0][2] = 1 + 3;  // 3 and 4 across: 5
+  trace.bodies[1].joint_force[1][2] = 2 + 4;
+  CHECK_EQUAL(measure(trace, &reference, 4).max_reaction_error.value(), 5.0);
+  CHECK_EQUAL(measure(trace, &reference, 1).max_reaction_error.value(), 0.0);
+}
+
+void the_table_reads_every_metric() {
+  Metrics metrics;
+  metrics.max_error_q = 1;
+  metrics.rms_error_q = 2;
+  metrics.reference_uncertainty = 3;
+  metrics.divergence_time = 4;
+  metrics.max_energy_drift = 5;
+  metrics.rms_energy_drift = 6;
+  metrics.final_energy_drift = 7;
+  metrics.max_gap = 8;
+  metrics.max_out_of_plane = 9;
+  metrics.max_reaction_error = 10;
+  double expected = 0;
+  for (const MetricRow& row : metric_table()) CHECK_EQUAL(row.value(metrics).value(), ++expected);
+  CHECK_EQUAL(expected, 10.0);
+  CHECK(metric_named("max_gap") != nullptr);
+  CHECK(metric_named("max_gape") == nullptr);
+}
+
+Tolerance tolerance(const char* metric, std::optional<double> at_most, std::optional<double> at_least) {
+  return {"any", metric, 1, at_most, at_least};
+}
+
+void tolerances_are_kept_or_not() {
+  Metrics metrics;
+  CHECK(!keeps(tolerance("max_error_q", 1, {}), metrics));  // no reference: nothing is promised
+  CHECK(!keeps(tolerance("divergence_time", {}, 1), metrics));
+  metrics.max_error_q = 0.5;
+  CHECK(keeps(tolerance("max_error_q", 0.5, {}), metrics));
+  CHECK(keeps(tolerance("max_error_q", 0.6, 0.4), metrics));
+  CHECK(!keeps(tolerance("max_error_q", 0.4, {}), metrics));
+  CHECK(!keeps(tolerance("max_error_q", {}, 0.6), metrics));
+  CHECK(keeps(tolerance("divergence_time", {}, 1), metrics));  // compared, never lost
+  CHECK(!keeps(tolerance("divergence_time", 5, {}), metrics));
+  CHECK_EQUAL(judged_value(tolerance("divergence_time", {}, 1), metrics).value(), infinity);
+  metrics.divergence_time = 3;
+  CHECK(keeps(tolerance("divergence_time", {}, 3), metrics));
+  CHECK(!keeps(tolerance("divergence_time", {}, 3.1), metrics));
+  metrics.max_error_q = infinity;
+  CHECK(!keeps(tolerance("max_error_q", {}, 1), metrics));  // blown up is not "at least 1"
+  CHECK_THROWS(keeps(tolerance("speed", 1, {}), metrics), UserError, "no metric named 'speed'");
+}
+
+}  // namespace
+
+int main() {
+  frames_are_right_handed();
+  a_turning_link_is_measured_exactly("single_pendulum", 0.3, 7);
+  a_turning_link_is_measured_exactly("single_pendulum", -40, -25);
+  a_turning_link_is_measured_exactly("wall_pendulum", 0.3, 7);
+  a_turning_link_is_measured_exactly("wall_pendulum", 3.1, -25);
+  relative_angles_of_two_links();
+  sparse_rows_keep_their_turns();
+  faults_of_the_pose_show();
+  a_broken_row_stays_broken();
+  errors_are_differences_from_the_reference();
+  other_times_are_refused();
+  drift_is_counted_from_the_start();
+  not_a_number_is_never_small();
+  a_run_that_ended_early_is_lost();
+  reactions_count_without_contact_and_after_the_first_row();
+  the_table_reads_every_metric();
+  tolerances_are_kept_or_not();
+  return odeval::test::verdict();
+}

@@ -1,0 +1,188 @@
+// Summaries, timings and tables: keys, undefined and infinite values, alignment, same bytes for the same run.
+#include "output/summary.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "measure/metrics.hpp"
+#include "output/table.hpp"
+#include "output/timing.hpp"
+#include "tests/check.hpp"
+
+namespace {
+
+using namespace odeval;
+using nlohmann::json;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+RunSummary example() {
+  RunSummary run;
+  run.scenario.name = "wall_pendulum";
+  run.scenario.file = "/some/where/wall_pendulum.toml";
+  run.scenario.problem = &problems[2];
+  run.scenario.duration_s = 2.5;
+  run.scenario.q0 = {0.1};
+  run.scenario.qd0 = {0};
+  run.scenario.links = {{1, 1, 0.1, 0.1}};
+  run.scenario.wall = Wall{0.9, 0.75};
+  run.grid = sample_grid(run.scenario);
+  run.method = "ode-step-double";
+  run.uses_ode = true;
+  run.outcome.steps = 2500;
+  run.outcome.impacts = {{0.5, -1.62, -5.0, 4.0, 1e-3}, {1.5, -1.62, 0.0, 4.0, 0}};
+  run.metrics.max_error_q = 0.25;
+  run.metrics.rms_error_q = infinity;
+  run.metrics.reference_uncertainty = 6e-12;
+  run.metrics.max_energy_drift = 1e-4;
+  run.error_at.resize(2);
+  run.error_at[0].until_s = 1;
+  run.error_at[0].max_error_q = 0.0089;
+  run.error_at[0].reference_uncertainty = 6e-12;
+  run.error_at[1].until_s = 2;
+  run.versions = {{"odeval", "1"}, {"ode", "0.16.2"}};
+  return run;
+}
+
+void json_has_the_keys_of_the_interface() {
+  const json run = json::parse(summary_json(example()));
+  for (const char* key : {"scenario", "method", "steps", "max_error_q", "rms_error_q", "error_at", "divergence_time",
+                          "reference_uncertainty", "max_energy_drift", "rms_energy_drift", "final_energy_drift",
+                          "max_gap", "max_out_of_plane", "max_reaction_error", "impacts", "diverged", "versions"}) {
+    CHECK(run.contains(key));
+  }
+  CHECK_EQUAL(run["max_error_q"].get<double>(), 0.25);
+  CHECK_EQUAL(run["rms_error_q"].get<std::string>(), "inf");
+  CHECK(run["divergence_time"].is_null());
+  CHECK(run["max_reaction_error"].is_null());
+  CHECK_EQUAL(run["error_at"]["1"]["max_error_q"].get<double>(), 0.0089);
+  CHECK(run["error_at"]["2"]["max_error_q"].is_null());
+  CHECK(!run["error_at"].contains("3"));
+  CHECK_EQUAL(run["impacts"].size(), 2u);
+  CHECK_EQUAL(run["impacts"][0]["restitution"].get<double>(), 0.8);
+  CHECK(run["impacts"][1]["restitution"].is_null());
+  CHECK_EQUAL(run["versions"]["ode"].get<std::string>(), "0.16.2");
+  CHECK_EQUAL(run["settings"]["step"].get<double>(), 1e-3);
+  CHECK_EQUAL(run["settings"]["ode"]["bounce"].get<double>(), 0.75);  // the wall's, as none is set
+  CHECK_EQUAL(run["settings"]["ode"]["max_correcting_vel"].get<std::string>(), "inf");
+  CHECK(!run["settings"].contains("rtol"));
+  CHECK(summary_json(example()).find("/some/where") == std::string::npos);
+
+  RunSummary other = example();
+  other.uses_ode = false;
+  other.rtol = 1e-3;
+  CHECK(!json::parse(summary_json(other))["settings"].contains("ode"));
+  CHECK_EQUAL(json::parse(summary_json(other))["settings"]["rtol"].get<double>(), 1e-3);
+}
+
+std::vector<std::string> cells(const std::string& line) {
+  std::vector<std::string> parts(1);
+  for (const char letter : line) {
+    if (letter == ',') {
+      parts.emplace_back();
+    } else {
+      parts.back() += letter;
+    }
+  }
+  return parts;
+}
+
+void csv_has_a_row_a_method() {
+  std::istringstream text(summary_csv({example(), example()}));
+  std::string header, row, rest;
+  std::getline(text, header);
+  std::getline(text, row);
+  const std::vector<std::string> names = cells(header);
+  const std::vector<std::string> values = cells(row);
+  CHECK_EQUAL(values.size(), names.size());
+  const auto value = [&](const std::string& name) {
+    const auto at = std::find(names.begin(), names.end(), name);
+    return at == names.end() ? "no such column" : values[static_cast<std::size_t>(at - names.begin())];
+  };
+  CHECK_EQUAL(value("scenario"), "wall_pendulum");
+  CHECK_EQUAL(value("max_error_q"), "0.25");
+  CHECK_EQUAL(value("rms_error_q"), "inf");
+  CHECK_EQUAL(value("divergence_time"), "");
+  CHECK_EQUAL(value("max_error_q_at_1"), "0.0089");
+  CHECK_EQUAL(value("max_error_q_at_10"), "");
+  CHECK_EQUAL(value("impacts"), "2");
+  CHECK_EQUAL(value("diverged"), "false");
+  std::getline(text, row);
+  CHECK(!std::getline(text, rest));
+
+  RunSummary broken = example();
+  broken.outcome.diverged = true;
+  broken.outcome.reason = "said \"no\", twice\nand stopped";
+  CHECK(summary_csv({broken}).find(",true,\"said \"\"no\"\", twice and stopped\",") != std::string::npos);
+}
+
+void same_run_same_bytes() {
+  CHECK_EQUAL(summary_json(example()), summary_json(example()));
+  CHECK_EQUAL(summary_csv({example()}), summary_csv({example()}));
+}
+
+void error_times_fit_the_run() {
+  SampleGrid grid;
+  grid.step_s = 0.1;
+  grid.rows = 31;  // ends at 3.0000000000000004
+  CHECK_EQUAL(error_times_within(grid).size(), 3u);
+  grid.rows = 30;
+  CHECK_EQUAL(error_times_within(grid).size(), 2u);
+  grid.rows = 101;
+  CHECK_EQUAL(error_times_within(grid).size(), 5u);
+}
+
+void timings_have_the_columns_of_the_interface() {
+  const TimingRow row{"double_pendulum", "ode-step-double", 1e-3, 10000, 10, 7, 0.0125, 1e-4, 0.012, 1250, 800};
+  CHECK_EQUAL(timing_csv({row}),
+              "scenario,method,h,steps,simulated_s,repeats,median_s,mad_s,min_s,ns_per_step,realtime_factor\n"
+              "double_pendulum,ode-step-double,0.001,10000,10,7,0.0125,0.0001,0.012,1250,800\n");
+  const json all = json::parse(timing_json({row}, {{"compiler", "g++"}}));
+  CHECK_EQUAL(all["environment"]["compiler"].get<std::string>(), "g++");
+  CHECK_EQUAL(all["rows"][0]["h"].get<double>(), 1e-3);
+  CHECK_EQUAL(all["rows"][0]["realtime_factor"].get<double>(), 800.0);
+}
+
+void tables_are_aligned() {
+  TextTable table("lr", {"name", "µs"});
+  table.add({"a", "0.5 ± 0.1"});
+  table.add({"longer", "7"});
+  CHECK_EQUAL(table.text(), "name           µs\na       0.5 ± 0.1\nlonger          7\n");
+  CHECK_EQUAL(three_digits(0.0089123), "0.00891");
+  CHECK_EQUAL(three_digits({}), "-");
+  CHECK_EQUAL(with_uncertainty(0.0089, 6e-12), "0.0089 ± 6e-12");
+  CHECK_EQUAL(with_uncertainty(0.0089, {}), "0.0089");
+
+  RunSummary reference = example();
+  reference.method = "lagrange-cvode";
+  reference.is_reference = true;
+  RunSummary broken = example();
+  broken.outcome.diverged = true;
+  broken.outcome.reason = "not finite at t = 1.5 s";
+  const std::vector<double> cost{1250, 500, 10};
+  const std::string summary = summary_table({example(), reference, broken}, cost);
+  CHECK(summary.find("0.0089 ± 6e-12") != std::string::npos);
+  CHECK(summary.find("1.25") != std::string::npos);
+  CHECK(summary.find("diverged: not finite at t = 1.5 s") != std::string::npos);
+  CHECK(summary_table({example()}, {}).find("ok") != std::string::npos);
+
+  const std::vector<Impact> wanted{{0.4921, -1.62, -5, 5, 0}};
+  const std::string impacts = impacts_table({example()}, wanted);
+  CHECK(impacts.find("+0.0079") != std::string::npos);
+  CHECK(impacts.find("0.8") != std::string::npos);
+  CHECK(impacts_table({example()}, wanted, 1).find("... 2") != std::string::npos);
+}
+
+}  // namespace
+
+int main() {
+  json_has_the_keys_of_the_interface();
+  csv_has_a_row_a_method();
+  same_run_same_bytes();
+  error_times_fit_the_run();
+  timings_have_the_columns_of_the_interface();
+  tables_are_aligned();
+  return odeval::test::verdict();
+}
