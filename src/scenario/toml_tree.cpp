@@ -63,7 +63,7 @@ bool is_bare_word(const std::string& text) {
 toml::table parse_value(const Override& setting) {
   try {
     toml::table holder = toml::parse("value = " + setting.value);
-    if (holder.size() == 1 && setting.value.find('\n') == std::string::npos) return holder;
+    if (holder.size() == 1) return holder;
   } catch (const toml::parse_error&) {
     double number = 0;
     if (is_number(setting.value, number)) return toml::table{{"value", number}};

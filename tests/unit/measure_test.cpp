@@ -33,6 +33,11 @@ Scenario scenario_of(const char* problem_name) {
   return scenario;
 }
 
+/// A row every step, or every `stride` steps, for 1 s.
+SampleGrid grid_of(const Scenario& scenario, long stride = 1) {
+  return {scenario.step_s, stride, std::lround(1 / (scenario.step_s * static_cast<double>(stride))) + 1};
+}
+
 /// Bodies of a chain whose absolute angles turn at constant rates, joints closed.
 void append_pose(const Scenario& scenario, const std::vector<double>& angles, const std::vector<double>& rates,
                  Rows& rows) {
@@ -88,7 +93,7 @@ void a_turning_link_is_measured_exactly(const char* problem, double q0, double r
   Scenario scenario = scenario_of(problem);
   scenario.q0 = {q0};
   scenario.gravity = 9.0;
-  const SampleGrid grid = sample_grid(scenario);
+  const SampleGrid grid = grid_of(scenario);
   Rows rows = rows_for(scenario, grid);
   for (long k = 0; k < grid.rows; ++k) append_pose(scenario, {q0 + rate * grid.time(k)}, {rate}, rows);
   const Trace trace = cartesian_trace(scenario, grid, rows);
@@ -116,7 +121,7 @@ void a_turning_link_is_measured_exactly(const char* problem, double q0, double r
 void relative_angles_of_two_links() {
   Scenario scenario = scenario_of("double_pendulum");
   scenario.q0 = {pi / 4, -pi / 4};
-  const SampleGrid grid = sample_grid(scenario);
+  const SampleGrid grid = grid_of(scenario);
   Rows rows = rows_for(scenario, grid);
   for (long k = 0; k < grid.rows; ++k) {
     const double t = grid.time(k);
@@ -132,9 +137,8 @@ void relative_angles_of_two_links() {
 
 // 100 rad/s sampled every 0.05 s: 5 rad between rows, more than half a turn, is followed by the measured rate.
 void sparse_rows_keep_their_turns() {
-  Scenario scenario = scenario_of("single_pendulum");
-  scenario.sample_s = 0.05;
-  const SampleGrid grid = sample_grid(scenario);
+  const Scenario scenario = scenario_of("single_pendulum");
+  const SampleGrid grid = grid_of(scenario, 5);
   Rows rows = rows_for(scenario, grid);
   for (long k = 0; k < grid.rows; ++k) append_pose(scenario, {100 * grid.time(k)}, {100}, rows);
   CHECK_NEAR(cartesian_trace(scenario, grid, rows).q[0].back(), 100, rounding);
@@ -146,7 +150,7 @@ double& number_of(Rows& rows, std::size_t row, std::size_t body, std::size_t off
 
 void faults_of_the_pose_show() {
   const Scenario scenario = scenario_of("double_pendulum");
-  SampleGrid grid = sample_grid(scenario);
+  SampleGrid grid = grid_of(scenario);
   grid.rows = 4;
   Rows rows = rows_for(scenario, grid);
   for (long k = 0; k < grid.rows; ++k) append_pose(scenario, {0, 0}, {0, 0}, rows);
@@ -171,7 +175,7 @@ void faults_of_the_pose_show() {
 
 void a_broken_row_stays_broken() {
   const Scenario scenario = scenario_of("double_pendulum");
-  SampleGrid grid = sample_grid(scenario);
+  SampleGrid grid = grid_of(scenario);
   grid.rows = 2;
   Rows rows = rows_for(scenario, grid);
   for (long k = 0; k < grid.rows; ++k) append_pose(scenario, {0, 0}, {0, 0}, rows);

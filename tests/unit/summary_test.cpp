@@ -28,7 +28,7 @@ RunSummary example() {
   run.scenario.qd0 = {0};
   run.scenario.links = {{1, 1, 0.1, 0.1}};
   run.scenario.wall = Wall{0.9, 0.75};
-  run.grid = sample_grid(run.scenario);
+  run.grid = {1e-3, 1, 2501};
   run.method = "ode-step-double";
   run.uses_ode = true;
   run.outcome.steps = 2500;
