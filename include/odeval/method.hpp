@@ -57,12 +57,12 @@ struct Impact {
 
 /// How a run went.
 struct Outcome {
-  long steps = 0;            // accepted steps
-  long evaluations = 0;      // of the equations of motion; 0 for an engine that does not say
-  bool diverged = false;     // a value left the finite numbers, or the engine gave up
-  std::string reason;        // why, when diverged
-  long messages = 0;         // warnings of the engine
-  double at_rest_from = -1;  // s, when a cascade of impacts came to rest on the wall; < 0: never
+  long steps = 0;                         // accepted steps
+  long evaluations = 0;                   // of the equations of motion; 0 for an engine that does not say
+  bool diverged = false;                  // a value left the finite numbers, or the engine gave up
+  std::string reason;                     // why, when diverged
+  long messages = 0;                      // warnings of the engine
+  double at_rest_from = -1;               // s, when a cascade of impacts came to rest on the wall; < 0: never
   std::optional<double> self_difference;  // rad, largest difference between a method's own runs at two step sizes
   std::vector<Impact> impacts;
 };

@@ -1,8 +1,13 @@
 #pragma once
 // The numbers a trace is judged by.
 #include <optional>
+#include <span>
+#include <string_view>
 
 namespace odeval {
+
+/// An angle error above this counts as lost.
+inline constexpr double divergence_rad = 0.1;
 
 /// All metrics of one trace up to one time. An optional is empty where the metric has no meaning.
 struct Metrics {
@@ -18,5 +23,30 @@ struct Metrics {
   double max_out_of_plane = 0;               // m
   std::optional<double> max_reaction_error;  // N, samples without contact
 };
+
+struct MetricRow {
+  std::string_view name;
+  std::string_view unit;
+  std::string_view meaning;
+  std::optional<double> (*value)(const Metrics&);  // empty: no meaning here, or never happened
+};
+
+// clang-format off
+inline constexpr MetricRow metric_rows[] = {
+  {"max_error_q",           "rad", "largest angle error",                              [](const Metrics& m) { return m.max_error_q; }},
+  {"rms_error_q",           "rad", "root mean square of the angle errors",             [](const Metrics& m) { return m.rms_error_q; }},
+  {"reference_uncertainty", "rad", "bound on the reference's own angle error",         [](const Metrics& m) { return m.reference_uncertainty; }},
+  {"divergence_time",       "s",   "first sample with an angle error above 0.1 rad",   [](const Metrics& m) { return m.divergence_time; }},
+  {"max_energy_drift",      "J",   "largest difference from the energy at t = 0",      [](const Metrics& m) { return std::optional(m.max_energy_drift); }},
+  {"rms_energy_drift",      "J",   "root mean square of that difference",              [](const Metrics& m) { return std::optional(m.rms_energy_drift); }},
+  {"final_energy_drift",    "J",   "that difference at the end, with its sign",        [](const Metrics& m) { return std::optional(m.final_energy_drift); }},
+  {"max_gap",               "m",   "largest distance between the anchors of a joint",  [](const Metrics& m) { return std::optional(m.max_gap); }},
+  {"max_out_of_plane",      "m",   "largest distance of a body from the plane",        [](const Metrics& m) { return std::optional(m.max_out_of_plane); }},
+  {"max_reaction_error",    "N",   "largest joint force error at samples without contact", [](const Metrics& m) { return m.max_reaction_error; }},
+};
+// clang-format on
+
+/// The one table of metrics; tolerances, help and summaries read it.
+inline std::span<const MetricRow> metric_table() { return metric_rows; }
 
 }  // namespace odeval

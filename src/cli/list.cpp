@@ -8,7 +8,7 @@
 #include "catalogue/versions.hpp"
 #include "cli/commands.hpp"
 #include "cli/settings.hpp"
-#include "measure/metrics.hpp"
+#include "odeval/metrics.hpp"
 #include "output/listing.hpp"
 #include "scenario/find_scenario.hpp"
 

@@ -8,8 +8,8 @@
 #include "cli/progress.hpp"
 #include "cli/settings.hpp"
 #include "output/file.hpp"
-#include "output/summary.hpp"
 #include "output/run_report.hpp"
+#include "output/summary.hpp"
 #include "output/trace_csv.hpp"
 
 namespace odeval::cli {

@@ -6,8 +6,8 @@
 #include <iostream>
 
 #include "catalogue/paths.hpp"
-#include "measure/metrics.hpp"
 #include "odeval/error.hpp"
+#include "odeval/metrics.hpp"
 #include "scenario/find_scenario.hpp"
 #include "scenario/scenario_keys.hpp"
 

@@ -130,33 +130,10 @@ Metrics measure(const Trace& trace, const Reference* reference, double until_s) 
   return metrics;
 }
 
-namespace {
-
-using M = Metrics;
-using Value = std::optional<double>;
-
-// clang-format off
-constexpr MetricRow table[] = {
-  {"max_error_q",           "rad", "largest angle error",                              [](const M& m) { return m.max_error_q; }},
-  {"rms_error_q",           "rad", "root mean square of the angle errors",             [](const M& m) { return m.rms_error_q; }},
-  {"reference_uncertainty", "rad", "bound on the reference's own angle error",         [](const M& m) { return m.reference_uncertainty; }},
-  {"divergence_time",       "s",   "first sample with an angle error above 0.1 rad",   [](const M& m) { return m.divergence_time; }},
-  {"max_energy_drift",      "J",   "largest difference from the energy at t = 0",      [](const M& m) { return Value(m.max_energy_drift); }},
-  {"rms_energy_drift",      "J",   "root mean square of that difference",              [](const M& m) { return Value(m.rms_energy_drift); }},
-  {"final_energy_drift",    "J",   "that difference at the end, with its sign",        [](const M& m) { return Value(m.final_energy_drift); }},
-  {"max_gap",               "m",   "largest distance between the anchors of a joint",  [](const M& m) { return Value(m.max_gap); }},
-  {"max_out_of_plane",      "m",   "largest distance of a body from the plane",        [](const M& m) { return Value(m.max_out_of_plane); }},
-  {"max_reaction_error",    "N",   "largest joint force error at samples without contact", [](const M& m) { return m.max_reaction_error; }},
-};
-// clang-format on
-
-}  // namespace
-
-std::span<const MetricRow> metric_table() { return table; }
-
 const MetricRow* metric_named(std::string_view name) {
-  const auto row = std::find_if(std::begin(table), std::end(table), [name](const auto& r) { return r.name == name; });
-  return row == std::end(table) ? nullptr : row;
+  const auto table = metric_table();
+  const auto row = std::find_if(table.begin(), table.end(), [name](const auto& r) { return r.name == name; });
+  return row == table.end() ? nullptr : &*row;
 }
 
 std::optional<double> judged_value(const Tolerance& tolerance, const Metrics& metrics) {

@@ -11,9 +11,6 @@
 
 namespace odeval {
 
-/// An angle error above this counts as lost.
-inline constexpr double divergence_rad = 0.1;
-
 /// Fills `trace.error_q` with q - reference q, rad.
 /// Throws MachineError when the reference has fewer rows, other times or another number of angles: nothing is
 /// resampled.
@@ -28,16 +25,6 @@ void compare(Trace& trace, const Reference& reference);
 /// max_error_q         largest over links and samples; rms_error_q over the same
 /// max_reaction_error  rows without contact, from row 1: the force in row 0 belongs to no step
 Metrics measure(const Trace& trace, const Reference* reference, double until_s);
-
-struct MetricRow {
-  std::string_view name;
-  std::string_view unit;
-  std::string_view meaning;
-  std::optional<double> (*value)(const Metrics&);  // empty: no meaning here, or never happened
-};
-
-/// The one table of metrics; tolerances, help and summaries read it.
-std::span<const MetricRow> metric_table();
 
 /// The row of that name, or null.
 const MetricRow* metric_named(std::string_view name);

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "measure/metrics.hpp"
+#include "odeval/metrics.hpp"
 #include "output/table.hpp"
 
 namespace odeval {

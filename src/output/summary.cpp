@@ -5,7 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "measure/metrics.hpp"
+#include "odeval/metrics.hpp"
 #include "output/json_number.hpp"
 #include "output/number.hpp"
 
@@ -125,7 +125,7 @@ std::string summary_json(const RunSummary& run) {
   json["reason"] = outcome.reason.empty() ? Json() : Json(outcome.reason);
   for (const MetricRow& row : metric_table()) json[std::string(row.name)] = json_of(row.value(run.metrics));
   json["error_at"] = errors_at(run.error_at);
-  if (run.self_difference) json["self_difference"] = json_number(*run.self_difference);
+  if (outcome.self_difference) json["self_difference"] = json_number(*outcome.self_difference);
   json["at_rest_from"] = outcome.at_rest_from < 0 ? Json() : json_number(outcome.at_rest_from);
   json["impacts"] = Json::array();
   for (const Impact& impact : outcome.impacts) json["impacts"].push_back(json_of(impact));

@@ -31,7 +31,6 @@ struct RunSummary {
   Outcome outcome;
   Metrics metrics;                        // over the whole run
   std::vector<Metrics> error_at;          // one per error time within the run
-  std::optional<double> self_difference;  // rad, between the two step sizes of a method that certifies itself
   std::string reference;                  // how it was solved; empty without one
   NamedTexts versions;
 };

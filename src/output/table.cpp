@@ -22,13 +22,13 @@ const Metrics* metrics_until(const RunSummary& run, double time) {
 
 std::string error_cell(const RunSummary& run, const Metrics* metrics) {
   if (metrics == nullptr) return "-";
-  if (run.is_reference) return "reference";
+  if (run.is_reference) return "± " + fmt::format("{:.1g}", metrics->reference_uncertainty.value_or(0));
   return with_uncertainty(metrics->max_error_q, metrics->reference_uncertainty);
 }
 
 std::string status(const RunSummary& run) {
   if (run.outcome.diverged) return run.outcome.reason.empty() ? "diverged" : "diverged: " + run.outcome.reason;
-  return "ok";
+  return run.is_reference ? "reference" : "ok";
 }
 
 }  // namespace

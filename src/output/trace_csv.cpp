@@ -102,8 +102,8 @@ std::string trace_csv(const Trace& trace) {
   std::vector<char> line(layout.columns().size() * (longest_number + 1) + 1);
 
   std::string text = layout.header() + '\n';
-  constexpr std::size_t usual = 12;  // characters a cell: many are 0 or 1, the others have up to 20
-  text.reserve(text.size() + rows * layout.columns().size() * usual);
+  constexpr std::size_t enough = 20;  // characters a cell; memory that is never touched costs nothing
+  text.reserve(text.size() + rows * layout.columns().size() * enough);
   for (std::size_t k = 0; k < rows; ++k) {
     char* end = line.data();
     for (const double* column : layout.columns()) {

@@ -1,5 +1,8 @@
 #pragma once
 // The raw tree of a scenario file with the command line's values in place; nothing in it is checked yet.
+//
+// toml++ 3.3 has assertions that malformed files break ("[.[x]]"). Debian's shared library, which pkg-config's flags
+// select, is built without them and reports such a file as a syntax error; header-only, a debug build would abort.
 #include <toml++/toml.h>
 #include <filesystem>
 #include <string>
