@@ -9,9 +9,9 @@
 #include <cstddef>
 #include <random>
 
-#include "check.hpp"
 #include "reference/dual.hpp"
 #include "reference/equations.hpp"
+#include "tests/check.hpp"
 
 namespace {
 

@@ -1,0 +1,55 @@
+#include "reference/cvode.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <iterator>
+
+#include "reference/cvode_motion.hpp"
+
+namespace odeval::reference {
+namespace {
+
+template <std::size_t N>
+class CvodeSimulation final : public Simulation {
+ public:
+  CvodeSimulation(const Scenario& scenario, const SampleGrid& grid)
+      : grid_(grid),
+        motion_(scenario,
+                {scenario.rtol.value_or(tight_tolerances.rtol), scenario.atol.value_or(tight_tolerances.atol)}) {}
+
+  Outcome run(Rows* rows) override {
+    const double last = grid_.time(grid_.rows - 1);
+    for (long row = 0; rows && row < grid_.rows; ++row) {
+      move_to(grid_.time(row));
+      const auto state = motion_.at(grid_.time(row));
+      std::copy(state.begin(), state.end(), rows->append());
+    }
+    move_to(last);
+
+    Outcome outcome;
+    outcome.steps = motion_.steps();
+    outcome.evaluations = motion_.evaluations();
+    if (motion_.at_rest_from() <= last) outcome.at_rest_from = motion_.at_rest_from();
+    const auto within = [last](const Impact& impact) { return impact.t <= last; };
+    std::copy_if(motion_.impacts().begin(), motion_.impacts().end(), std::back_inserter(outcome.impacts), within);
+    return outcome;
+  }
+
+ private:
+  void move_to(double t) {
+    while (motion_.end() < t) motion_.advance();
+  }
+
+  SampleGrid grid_;
+  CvodeMotion<N> motion_;
+};
+
+}  // namespace
+
+std::unique_ptr<Simulation> make_cvode(const Scenario& scenario, const SampleGrid& grid) {
+  return with_equations(scenario, [&]<std::size_t N>(const ChainEquations<double, N>&) -> std::unique_ptr<Simulation> {
+    return std::make_unique<CvodeSimulation<N>>(scenario, grid);
+  });
+}
+
+}  // namespace odeval::reference

@@ -1,0 +1,284 @@
+#pragma once
+// A scenario moved by CVODE, piece after piece: steps of the solver, cut short where the link touches the wall.
+//
+// A touch is located on the solver's own polynomial: the first time the angle passes a stop while moving into the wall.
+// Since an angle is monotone between its turning points, no touch hides inside a step. Then qd -> -e qd, and:
+//
+// - Weight against the wall and the link barely moving: it hops. The hops, too small for a solver with absolute
+//   tolerances, are parabolas. Slower than `rest_speed_rad_s` the link is at rest, for ever.
+// - Weight away from the wall and the link barely moving: it only grazes the wall, and swings on.
+#include <algorithm>
+#include <boost/math/tools/toms748_solve.hpp>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "odeval/method.hpp"
+#include "odeval/scenario.hpp"
+#include "reference/cvode_solver.hpp"
+#include "reference/equations.hpp"
+#include "reference/wall_bounce.hpp"
+#include "reference/wall_contact.hpp"
+
+namespace odeval::reference {
+
+/// A touch slower than this, with the weight away from the wall, is a graze: the link would go less than 1e-13 rad into
+/// the wall (v^2 / 2a at 10 rad/s^2), which is about what the solver knows of the angle.
+inline constexpr double graze_speed_rad_s = 1e-6;
+
+template <std::size_t N>
+class CvodeMotion {
+ public:
+  using Equations = ChainEquations<double, N>;
+  using State = typename Equations::State;
+  enum class Phase { flight, hop, rest };
+  /// Relative change of the acceleration over a hop that is ignored.
+  static constexpr double hop_bend = 1e-9;
+
+  CvodeMotion(const Scenario& scenario, Tolerances tolerances)
+      : equations_(scenario),
+        solver_(
+            2 * N, [this](const double* y, double* dydt) { evaluate(y, dydt); }, tolerances, scenario.name,
+            scenario.duration_s) {
+    for (std::size_t i = 0; i < N; ++i) {
+      begin_state_[i] = scenario.q0[i];
+      begin_state_[N + i] = scenario.qd0[i];
+    }
+    end_state_ = begin_state_;
+    restart_ = true;
+    if constexpr (N == 1) {
+      if (scenario.wall) meet_wall(scenario);
+    }
+  }
+  CvodeMotion(const CvodeMotion&) = delete;
+  CvodeMotion& operator=(const CvodeMotion&) = delete;
+
+  /// On to the next piece, [begin(), end()]. A piece at rest ends at infinity.
+  void advance() {
+    begin_ = end_;
+    begin_state_ = end_state_;
+    phase_ = next_;
+    struck_ = false;
+    turn_height_.reset();
+    if (phase_ == Phase::flight) fly();
+    if constexpr (N == 1) {
+      if (phase_ == Phase::hop) hop();
+    }
+    if (phase_ == Phase::rest) end_ = std::numeric_limits<double>::infinity();
+  }
+
+  double begin() const { return begin_; }
+  double end() const { return end_; }
+  Phase phase() const { return phase_; }
+  /// True when the piece ends with the last of `impacts()`.
+  bool struck() const { return struck_; }
+  /// Where the weight turned the link back from the wall in this piece: its height above the stop, rad.
+  const std::optional<double>& turn_height() const { return turn_height_; }
+
+  /// The state at a time of the piece. At an impact: before it at end(), after it at begin().
+  State at(double t) const {
+    if (t <= begin_ || phase_ == Phase::rest) return begin_state_;
+    if (t >= end_ && !struck_) return end_state_;
+    if constexpr (N == 1) {
+      if (phase_ == Phase::hop) {
+        const double s = t - begin_;
+        const double pull = acceleration(begin_state_[0]);
+        return {begin_state_[0] + begin_state_[1] * s + pull * s * s / 2, begin_state_[1] + pull * s};
+      }
+    }
+    State y;
+    solver_.interpolate(std::fmin(t, end_), y.data());
+    return y;
+  }
+
+  const Equations& equations() const { return equations_; }
+  /// All so far: the last step may have gone beyond the end of a grid.
+  const std::vector<Impact>& impacts() const { return impacts_; }
+  double restitution() const { return restitution_; }
+  /// rad, rounding of the angles of touch.
+  double stop_uncertainty() const { return stop_uncertainty_; }
+  double acceleration(double q) const requires(N == 1) {
+    State slope;
+    equations_(State{q, 0.0}, slope);
+    return slope[1];
+  }
+  /// s; < 0: never.
+  double at_rest_from() const { return at_rest_from_; }
+  /// How high the bounces would be that rest leaves out, rad.
+  double rest_height() const { return rest_height_; }
+  long steps() const { return solver_.steps(); }
+  long evaluations() const { return solver_.evaluations(); }
+
+ private:
+  struct Stop {
+    double angle;
+    double away;  // sign of the rate that leaves the wall
+  };
+  struct Touch {
+    double t;
+    double speed;  // into the wall
+    Stop stop;
+  };
+
+  static constexpr double contact_rad = 1e-12;  // a link that starts this near the wall starts at it
+  static constexpr double no_pull = 1e-12;      // rad/s^2; weaker than this, nothing takes a link off the wall
+  // Bounces that go on for ever (e = 1) a hair above the wall end here, as rest of a height that is known.
+  static constexpr std::size_t most_impacts = 1000000;
+
+  void evaluate(const double* y, double* dydt) {
+    State state, slope;
+    std::copy_n(y, 2 * N, state.begin());
+    equations_(state, slope);
+    std::copy_n(slope.begin(), 2 * N, dydt);
+  }
+
+  void fly() {
+    if (restart_) solver_.start(end_, end_state_.data());
+    restart_ = false;
+    solver_.step();
+    end_ = solver_.end();
+    std::copy_n(solver_.state(), 2 * N, end_state_.begin());
+    if constexpr (N == 1) {
+      std::optional<Touch> first;
+      for (const Stop& stop : stops()) {
+        const std::optional<Touch> touch = first_touch(stop);
+        if (touch && (!first || touch->t < first->t)) first = touch;
+      }
+      if (first) strike(*first);
+    }
+  }
+
+  void meet_wall(const Scenario& scenario) {
+    restitution_ = scenario.wall->restitution;
+    arc_ = free_arc(scenario);
+    const WallContact wall(scenario);
+    for (const Stop& stop : stops()) stop_uncertainty_ = std::max(stop_uncertainty_, rounding(wall, stop.angle));
+    for (const Stop& stop : stops()) {
+      if (stop.away * (begin_state_[0] - stop.angle) > contact_rad) continue;
+      begin_state_[0] = stop.angle;
+      const double rate = stop.away * begin_state_[1];
+      if (rate < 0) {
+        strike({0.0, -rate, stop});
+      } else {
+        leave(0.0, stop, rate);
+      }
+      begin_state_ = end_state_;
+      return;
+    }
+  }
+
+  /// The angles of touch: none, or the low and the high end of the free arc.
+  std::vector<Stop> stops() const {
+    if (!std::isfinite(arc_.low)) return {};
+    return {{arc_.low, 1.0}, {arc_.high, -1.0}};
+  }
+
+  /// How far an angle of touch may be off: by a few roundings of itself and of the distances of the corner that is
+  /// there.
+  static double rounding(const WallContact& wall, double angle) {
+    constexpr double few = 8 * std::numeric_limits<double>::epsilon();
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t corner = 0; corner < WallContact::corners; ++corner) {
+      const double reach = std::hypot(wall.slope(corner, 0.0), wall.slope(corner, std::acos(0.0)));
+      const double off = std::fabs(wall.distance(corner, angle)) + few * reach;
+      least = std::min(least, off / std::fabs(wall.slope(corner, angle)));
+    }
+    return least + few * std::fabs(angle);
+  }
+
+  /// The earliest touch of a stop within the step.
+  std::optional<Touch> first_touch(const Stop& stop) {
+    const auto height = [&](double t) { return stop.away * (at(t)[0] - stop.angle); };
+    const auto rate = [&](double t) { return stop.away * at(t)[1]; };
+    const double rate_begin = stop.away * begin_state_[1];
+    const double rate_end = stop.away * end_state_[1];
+    double from = begin_;
+    double to = end_;
+    if (rate_begin < 0 && rate_end > 0) {
+      to = root(rate, from, to);
+      turn_height_ = height(to);
+    } else if (rate_begin > 0 && rate_end < 0) {
+      from = root(rate, from, to);
+    } else if (rate_end > 0) {
+      return std::nullopt;
+    }
+    if (height(to) >= 0) return std::nullopt;
+    const double t = height(from) > 0 ? root(height, from, to) : from;
+    const double speed = std::fmax(-rate(t), 0.0);
+    // A link comes back to a stop as fast as it left it, which is known better than a small speed can be integrated.
+    const double known = left_stop_ == stop.angle ? left_speed_ : speed;
+    if (known < graze_speed_rad_s && stop.away * acceleration(stop.angle) > no_pull) return std::nullopt;
+    return Touch{t, speed, stop};
+  }
+
+  /// Where f, of different signs at the ends, is 0.
+  template <class Function>
+  static double root(const Function& f, double from, double to) {
+    std::uintmax_t tries = 100;
+    const auto bracket =
+        boost::math::tools::toms748_solve(f, from, to, boost::math::tools::eps_tolerance<double>(52), tries);
+    return bracket.first + (bracket.second - bracket.first) / 2;
+  }
+
+  void strike(const Touch& touch) {
+    const double leaving = restitution_ * touch.speed;
+    // Adding 0 turns -0 into 0.
+    impacts_.push_back(
+        {touch.t, touch.stop.angle, -touch.stop.away * touch.speed + 0.0, touch.stop.away * leaving + 0.0, 0.0});
+    struck_ = true;
+    leave(touch.t, touch.stop, leaving);
+  }
+
+  /// What a link does that leaves a stop with a speed >= 0.
+  void leave(double t, const Stop& stop, double speed) {
+    const double pull = stop.away * acceleration(stop.angle);
+    left_stop_ = stop.angle;
+    left_speed_ = speed;
+    end_ = t;
+    end_state_ = {stop.angle, stop.away * speed + 0.0};
+    next_ = Phase::flight;
+    restart_ = true;
+    if (pull <= no_pull && (speed < rest_speed_rad_s || impacts_.size() >= most_impacts)) {
+      next_ = Phase::rest;
+      at_rest_from_ = t;
+      // A parabola's height, or a swing's where the pull is weak.
+      const double stiffness = std::fabs(acceleration(0.0));
+      rest_height_ = speed == 0 ? 0 : std::fmin(speed * speed / (2 * std::fabs(pull)), speed / std::sqrt(stiffness));
+      end_state_[1] = 0;
+    } else if (pull < 0 && speed * speed * std::fabs(acceleration(0.0)) < hop_bend * pull * pull) {
+      next_ = Phase::hop;
+    }
+  }
+
+  void hop() {
+    const double pull = acceleration(begin_state_[0]);
+    const Stop stop{begin_state_[0], begin_state_[1] > 0 ? 1.0 : -1.0};
+    strike({begin_ + 2 * std::fabs(begin_state_[1] / pull), std::fabs(begin_state_[1]), stop});
+  }
+
+  Equations equations_;
+  CvodeSolver solver_;
+  FreeArc arc_;
+  double restitution_ = 1;
+  double stop_uncertainty_ = 0;
+
+  Phase phase_ = Phase::flight;
+  Phase next_ = Phase::flight;
+  bool restart_ = true;
+  bool struck_ = false;
+  std::optional<double> turn_height_;
+  double begin_ = 0;
+  double end_ = 0;
+  State begin_state_{};
+  State end_state_{};
+  std::vector<Impact> impacts_;
+  double left_stop_ = std::numeric_limits<double>::quiet_NaN();
+  double left_speed_ = 0;
+  double at_rest_from_ = -1;
+  double rest_height_ = 0;
+};
+
+}  // namespace odeval::reference

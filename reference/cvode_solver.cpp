@@ -1,0 +1,111 @@
+#include "reference/cvode_solver.hpp"
+
+#include <cvode/cvode.h>
+#include <nvector/nvector_serial.h>
+#include <sundials/sundials_version.h>
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+#include <utility>
+
+#include "odeval/error.hpp"
+
+namespace odeval::reference {
+namespace {
+
+std::string flag_name(int flag) {
+  const std::unique_ptr<char, decltype(&std::free)> name(CVodeGetReturnFlagName(flag), &std::free);
+  return name ? name.get() : "unknown flag";
+}
+
+SUNContext make_context() {
+  SUNContext context = nullptr;
+  if (SUNContext_Create(nullptr, &context) != 0) throw MachineError("CVODE: could not create a SUNDIALS context");
+  return context;
+}
+
+}  // namespace
+
+void CvodeSolver::FreeMemory::operator()(void* memory) const { CVodeFree(&memory); }
+
+CvodeSolver::CvodeSolver(std::size_t size, RightSide right_side, Tolerances tolerances, std::string scenario,
+                         double duration_s)
+    : right_side_(std::move(right_side)),
+      size_(size),
+      tolerances_(tolerances),
+      scenario_(std::move(scenario)),
+      duration_s_(duration_s),
+      context_(make_context()),
+      y_(N_VNew_Serial(static_cast<sunindextype>(size), context_.get())),
+      between_(N_VNew_Serial(static_cast<sunindextype>(size), context_.get())),
+      iteration_(y_ ? SUNNonlinSol_FixedPoint(y_.get(), 0, context_.get()) : nullptr),
+      cvode_(CVodeCreate(CV_ADAMS, context_.get())) {
+  if (!y_ || !between_ || !iteration_ || !cvode_) throw MachineError("CVODE: out of memory");
+  N_VConst(0.0, y_.get());
+  check(CVodeSetErrHandlerFn(cvode_.get(), keep_message, this), "CVodeSetErrHandlerFn");
+  check(CVodeInit(cvode_.get(), evaluate, 0.0, y_.get()), "CVodeInit");
+  check(CVodeSetUserData(cvode_.get(), this), "CVodeSetUserData");
+  check(CVodeSStolerances(cvode_.get(), tolerances.rtol, tolerances.atol), "CVodeSStolerances");
+  check(CVodeSetNonlinearSolver(cvode_.get(), iteration_.get()), "CVodeSetNonlinearSolver");
+}
+
+void CvodeSolver::start(double t, const double* y) {
+  std::copy_n(y, size_, N_VGetArrayPointer(y_.get()));
+  check(CVodeReInit(cvode_.get(), t, y_.get()), "CVodeReInit");
+  begin_ = end_ = t;
+}
+
+void CvodeSolver::step() {
+  double reached = end_;
+  // The target only tells CVODE the direction and the scale of its first step.
+  const double target = end_ + std::max(duration_s_, 1e-3);
+  const int flag = CVode(cvode_.get(), target, y_.get(), &reached, CV_ONE_STEP);
+  if (flag < 0) give_up(flag);
+  begin_ = end_;
+  end_ = reached;
+  ++steps_;
+}
+
+void CvodeSolver::interpolate(double t, double* y) const {
+  check(CVodeGetDky(cvode_.get(), t, 0, between_.get()), "CVodeGetDky");
+  std::copy_n(N_VGetArrayPointer(between_.get()), size_, y);
+}
+
+std::string CvodeSolver::version() {
+  std::array<char, 32> text{};
+  SUNDIALSGetVersion(text.data(), static_cast<int>(text.size()));
+  return text.data();
+}
+
+int CvodeSolver::evaluate(double, N_Vector y, N_Vector dydt, void* self) {
+  auto& solver = *static_cast<CvodeSolver*>(self);
+  double* slope = N_VGetArrayPointer(dydt);
+  solver.right_side_(N_VGetArrayPointer(y), slope);
+  ++solver.evaluations_;
+  const bool finite = std::all_of(slope, slope + solver.size_, [](double value) { return std::isfinite(value); });
+  return finite ? 0 : 1;  // 1: CVODE may try a smaller step
+}
+
+void CvodeSolver::keep_message(int, const char*, const char*, char* message, void* self) {
+  static_cast<CvodeSolver*>(self)->message_ = message;
+}
+
+void CvodeSolver::check(int flag, const char* call) const {
+  if (flag >= 0) return;
+  throw MachineError("reference for '" + scenario_ + "': " + call + " failed with " + flag_name(flag) + ": " +
+                     message_);
+}
+
+void CvodeSolver::give_up(int flag) const {
+  std::ostringstream text;
+  text.precision(4);
+  text << "reference for '" << scenario_ << "' stopped at t = " << end_ << " of " << duration_s_ << " s: CVODE "
+       << flag_name(flag) << " (" << flag << ") at rtol " << tolerances_.rtol << "; try rtol " << 10 * tolerances_.rtol;
+  throw MachineError(text.str());
+}
+
+}  // namespace odeval::reference

@@ -1,0 +1,84 @@
+#pragma once
+// CVODE as an object: Adams formulas with fixed-point iteration, one step at a time.
+#include <sundials/sundials_context.h>
+#include <sundials/sundials_nonlinearsolver.h>
+#include <sundials/sundials_nvector.h>
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+#include <type_traits>
+
+namespace odeval::reference {
+
+struct Tolerances {
+  double rtol;
+  double atol;
+};
+
+/// Integrates y' = f(y). After `start`, every `step` moves [begin(), end()] on by one of CVODE's own steps.
+/// All failures are MachineErrors; nothing is printed.
+class CvodeSolver {
+ public:
+  using RightSide = std::function<void(const double* y, double* dydt)>;
+
+  /// `scenario` and `duration_s` are for messages and the first guess of the step only.
+  CvodeSolver(std::size_t size, RightSide right_side, Tolerances tolerances, std::string scenario, double duration_s);
+
+  /// Forgets the past and begins at y (`size` values).
+  void start(double t, const double* y);
+  void step();
+
+  double begin() const { return begin_; }
+  double end() const { return end_; }
+  /// The state at end(), until the next step.
+  const double* state() const { return N_VGetArrayPointer(y_.get()); }
+  /// The state at a time of the last step, begin() <= t <= end(), from the formula's own polynomial.
+  void interpolate(double t, double* y) const;
+
+  static std::string version();
+  long steps() const { return steps_; }
+  long evaluations() const { return evaluations_; }
+
+ private:
+  struct FreeContext {
+    void operator()(SUNContext context) const { SUNContext_Free(&context); }
+  };
+  struct FreeMemory {
+    void operator()(void* memory) const;
+  };
+  struct FreeVector {
+    void operator()(N_Vector vector) const { N_VDestroy(vector); }
+  };
+  struct FreeIteration {
+    void operator()(SUNNonlinearSolver solver) const { SUNNonlinSolFree(solver); }
+  };
+  template <class Handle, class Free>
+  using Owned = std::unique_ptr<std::remove_pointer_t<Handle>, Free>;
+
+  static int evaluate(double t, N_Vector y, N_Vector dydt, void* self);
+  static void keep_message(int code, const char* module, const char* function, char* message, void* self);
+  void check(int flag, const char* call) const;
+  [[noreturn]] void give_up(int flag) const;
+
+  RightSide right_side_;
+  std::size_t size_;
+  Tolerances tolerances_;
+  std::string scenario_;
+  double duration_s_;
+  std::string message_;  // CVODE's own words, kept for ours
+  double begin_ = 0;
+  double end_ = 0;
+  long steps_ = 0;
+  long evaluations_ = 0;
+
+  // Freed in reverse: the context outlives all that was made in it.
+  Owned<SUNContext, FreeContext> context_;
+  Owned<N_Vector, FreeVector> y_;
+  Owned<N_Vector, FreeVector> between_;
+  Owned<SUNNonlinearSolver, FreeIteration> iteration_;
+  std::unique_ptr<void, FreeMemory> cvode_;
+};
+
+}  // namespace odeval::reference

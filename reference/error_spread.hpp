@@ -1,0 +1,129 @@
+#pragma once
+// How far errors made on the way spread: the variational equations, applied to ellipsoids.
+//
+// A solver adds a small error to the state in every step, and the motion carries each of them on by its
+// state-transition matrix P. Where the errors lie is an ellipsoid, held as a matrix Q: along a direction w it reaches
+// sqrt(w' Q w). Carried on it is P Q P'. An error within k ellipsoids stays within k ellipsoids for as long as the
+// motion is linear in it, so the ratio of two reaches is the growth of an error from one time to another.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "odeval/scenario.hpp"
+#include "reference/dual.hpp"
+#include "reference/equations.hpp"
+
+namespace odeval::reference {
+
+template <std::size_t Size>
+using Vector = std::array<double, Size>;
+template <std::size_t Size>
+using Matrix = std::array<std::array<double, Size>, Size>;
+
+template <std::size_t Size>
+Matrix<Size> product(const Matrix<Size>& a, const Matrix<Size>& b) {
+  Matrix<Size> c{};
+  for (std::size_t i = 0; i < Size; ++i) {
+    for (std::size_t k = 0; k < Size; ++k) {
+      for (std::size_t j = 0; j < Size; ++j) c[i][j] += a[i][k] * b[k][j];
+    }
+  }
+  return c;
+}
+
+template <std::size_t Size>
+class Ellipsoid {
+ public:
+  /// Over a linear map of the state.
+  void carry(const Matrix<Size>& map) {
+    const Matrix<Size> half = product(map, q_);
+    for (std::size_t i = 0; i < Size; ++i) {
+      for (std::size_t j = 0; j <= i; ++j) {
+        double sum = 0;
+        for (std::size_t k = 0; k < Size; ++k) sum += half[i][k] * map[j][k];
+        q_[i][j] = q_[j][i] = sum;
+      }
+    }
+  }
+
+  /// Adds errors, one a component, that owe nothing to those before: variances add.
+  void add_independent(const Vector<Size>& error) {
+    for (std::size_t i = 0; i < Size; ++i) q_[i][i] += error[i] * error[i];
+  }
+
+  /// Adds errors that may point the way of those before: the ellipsoid about the sums of both,
+  /// (1 + r) Q + (1 + 1/r) S for any r > 0, and smallest in trace for this one.
+  void add_aligned(const Vector<Size>& error) {
+    double before = 0;
+    double added = 0;
+    for (std::size_t i = 0; i < Size; ++i) {
+      before += q_[i][i];
+      added += error[i] * error[i];
+    }
+    const double r = before > 0 ? std::sqrt(added / before) : 0;
+    if (r > 0) {
+      for (auto& row : q_) {
+        for (double& entry : row) entry *= 1 + r;
+      }
+    }
+    for (std::size_t i = 0; i < Size; ++i) q_[i][i] += error[i] * error[i] * (r > 0 ? 1 + 1 / r : 1);
+  }
+
+  /// How far it reaches along a direction.
+  double reach(const Vector<Size>& direction) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < Size; ++i) {
+      for (std::size_t j = 0; j < Size; ++j) sum += direction[i] * q_[i][j] * direction[j];
+    }
+    return std::sqrt(std::max(sum, 0.0));
+  }
+  /// How far it reaches in one component.
+  double reach(std::size_t component) const { return std::sqrt(q_[component][component]); }
+
+ private:
+  Matrix<Size> q_{};
+};
+
+/// State-transition matrices of short steps of free motion.
+template <std::size_t N>
+class FreeMotion {
+ public:
+  static constexpr std::size_t size = 2 * N;
+
+  explicit FreeMotion(const Scenario& scenario) : equations_(scenario) {}
+
+  /// 1 + hJ + (hJ)^2 / 2 + (hJ)^3 / 6, J the Jacobian at the state half way.
+  Matrix<size> transition(const Vector<size>& middle, double h) const {
+    using Variable = Dual<double, size>;
+    std::array<Variable, size> variables, slopes;
+    for (std::size_t i = 0; i < size; ++i) variables[i] = Variable(middle[i], i);
+    equations_(variables, slopes);
+    Matrix<size> step;
+    for (std::size_t i = 0; i < size; ++i) {
+      for (std::size_t j = 0; j < size; ++j) step[i][j] = h * slopes[i].slope[j];
+    }
+    // Horner's rule.
+    Matrix<size> sum{};
+    for (std::size_t i = 0; i < size; ++i) sum[i][i] = 1;
+    for (const double divisor : {3.0, 2.0, 1.0}) {
+      sum = product(step, sum);
+      for (std::size_t i = 0; i < size; ++i) {
+        for (double& entry : sum[i]) entry /= divisor;
+        sum[i][i] += 1;
+      }
+    }
+    return sum;
+  }
+
+ private:
+  ChainEquations<Dual<double, size>, N> equations_;
+};
+
+/// The same at an impact of one link, qd -> -e qd, where it meets the wall with the rate qd and the acceleration qdd
+/// (the saltation matrix). A link that is late meets the wall late, and what it gained in speed meanwhile changes sign.
+inline Matrix<2> saltation(double restitution, double qd, double qdd) {
+  return {{{-restitution, 0}, {(1 + restitution) * qdd / qd, -restitution}}};
+}
+
+}  // namespace odeval::reference
