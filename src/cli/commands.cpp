@@ -33,9 +33,11 @@ std::string first_line(const std::string& text) { return text.substr(0, text.fin
   const std::string who = command == &app ? "odeval" : "odeval " + command->get_name();
   const std::vector<std::string> extra = app.remaining(true);
   if (!extra.empty()) {
-    const std::string what = extra.front().starts_with("-") ? "flag" : command == &app ? "command" : "argument";
-    throw UserError(extra.front() + ": no such " + what + " (nearest: '" + nearest(extra.front(), known) + "'); '" +
-                    who + " --help' shows all");
+    if (command != &app && !extra.front().starts_with("-")) {
+      throw UserError(extra.front() + ": one argument too many; '" + who + " --help' shows all");
+    }
+    throw UserError(extra.front() + ": no such " + (command == &app ? "command" : "flag") + " (nearest: '" +
+                    nearest(extra.front(), known) + "'); '" + who + " --help' shows all");
   }
   throw UserError(first_line(error.what()) + "; '" + who + " --help' shows how");
 }

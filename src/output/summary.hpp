@@ -29,9 +29,9 @@ struct RunSummary {
   std::optional<double> rtol;  // in effect; absent for a fixed step
   std::optional<double> atol;
   Outcome outcome;
-  Metrics metrics;                        // over the whole run
-  std::vector<Metrics> error_at;          // one per error time within the run
-  std::string reference;                  // how it was solved; empty without one
+  Metrics metrics;                // over the whole run
+  std::vector<Metrics> error_at;  // one per error time within the run
+  std::string reference;          // how it was solved; empty without one
   NamedTexts versions;
 };
 

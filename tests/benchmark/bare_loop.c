@@ -32,7 +32,7 @@ static void add_hinge(int i, dBodyID first, dBodyID second, dReal y, dReal z) {
 void bare_pendulum_create(void) {
   const dReal half = dSqrt(0.5);
   dInitODE2(0);
-  dAllocateODEDataForThread(dAllocateMaskAll);
+  dAllocateODEDataForThread((unsigned int)dAllocateMaskAll);
   world = dWorldCreate();
   space = dHashSpaceCreate(0);
   dWorldSetGravity(world, 0, 0, -9.81);

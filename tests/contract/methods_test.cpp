@@ -37,7 +37,7 @@ void check_contract(const Problem& problem, const catalogue::Method& method) {
   CHECK_EQUAL(run.trace.rows(), std::size_t{101});
   CHECK(!run.outcome.diverged);
   CHECK(run.outcome.steps > 0);
-  const CsvTable table = read_csv(trace_csv(run.trace));
+  const CsvColumns table = parse_csv(trace_csv(run.trace), "trace");
   for (const Column& column : table.columns) {
     for (const double value : column) CHECK(std::isfinite(value));
   }

@@ -23,8 +23,10 @@ void check_first_impact(std::string_view method, double face_m, double step_s) {
   // A step sees the overlap at its start, up to one step late, and the motion itself runs half a step ahead.
   CHECK_NEAR(found.t, expected.t, 2 * step_s);
   CHECK_NEAR(found.q1, expected.q1, 2 * step_s * std::fabs(expected.qd_before));
-  // Bounce 1 reverses the contact points' speed; what is left is the step's own first order.
-  CHECK_NEAR(-found.qd_after / found.qd_before, 1.0, 10 * step_s);
+  // Bounce 1 reverses the contact points' speed. dWorldStep leaves the step's own first order: measured up to 0.26 h/ms
+  // per mille. QuickStep leaves its residual after 20 iterations, whatever the step: up to 1.8e-3.
+  const bool quick = method.find("quickstep") != std::string_view::npos;
+  CHECK_NEAR(-found.qd_after / found.qd_before, 1.0, quick ? 5e-3 : step_s);
   CHECK_BETWEEN(found.depth, 0.0, 2 * step_s * std::fabs(expected.qd_before));
   CHECK_NEAR(evaluator.reference().impacts.front().t, expected.t, 1e-9);
 }
