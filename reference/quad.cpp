@@ -135,7 +135,7 @@ QuadRun solve_quad(const Scenario& scenario, const SampleGrid& grid) {
     const auto beyond = [](double difference) { return !(difference <= quad_target_rad); };
     const std::ptrdiff_t good =
         std::find_if(run.difference.begin(), run.difference.end(), beyond) - run.difference.begin();
-    if (!(run.largest_difference < worst_before / 4) && good <= good_before + gaps / 50) break;
+    if (!(run.largest_difference < worst_before / 16) && good <= good_before + gaps / 50) break;
     worst_before = run.largest_difference;
     good_before = good;
     coarse = std::move(run.rows);

@@ -30,7 +30,7 @@ Vec3 moved(const Vec3& from, double length, const Vec3& direction) {
 
 }  // namespace
 
-PendulumScene::PendulumScene(const Scenario& scenario) {
+PendulumScene::PendulumScene(const Scenario& scenario) : PendulumScene() {
   use_library();
   world_ = dWorldCreate();
   space_ = dHashSpaceCreate(nullptr);

@@ -39,6 +39,7 @@ class PendulumScene {
   void abandon();
 
  private:
+  PendulumScene() = default;  // so that the destructor runs when ODE refuses a scenario half-way
   static void near_callback(void* scene, dGeomID first, dGeomID second);
   void set_world(const Scenario& scenario);
   void add_links(const Scenario& scenario);

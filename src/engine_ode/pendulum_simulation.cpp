@@ -36,8 +36,8 @@ class PendulumSimulation final : public Simulation {
           } else {
             step_(scene_.world(), static_cast<dReal>(grid_.step_s));
           }
+          if (!finite()) throw Fault("a velocity or its square left the finite numbers");
           ++outcome.steps;
-          if (!finite()) throw Fault("a velocity left the finite numbers, or its square would");
         }
         if (rows == nullptr) continue;
         record(*rows);
