@@ -90,7 +90,7 @@ std::string impacts_table(const std::vector<RunSummary>& runs, const std::vector
                  three_digits(impact.depth),
                  i < reference.size() ? fmt::format("{:+.3g}", impact.t - reference[i].t) : "-"});
     }
-    if (impacts.size() > most) table.add({run.method, fmt::format("... {}", impacts.size())});
+    if (impacts.size() > most) table.add({run.method, fmt::format("... {} in all", impacts.size())});
   }
   return table.text();
 }

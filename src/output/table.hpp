@@ -35,6 +35,6 @@ std::string summary_table(const std::vector<RunSummary>& runs, std::span<const d
 
 /// One row an impact, the first `most` of each run; `reference` are the impacts to compare with, number by number.
 std::string impacts_table(const std::vector<RunSummary>& runs, const std::vector<Impact>& reference,
-                          std::size_t most = 10);
+                          std::size_t most = 3);
 
 }  // namespace odeval
