@@ -20,6 +20,7 @@
 #include "odeval/scenario.hpp"
 #include "reference/cvode_solver.hpp"
 #include "reference/equations.hpp"
+#include "reference/generalized_rows.hpp"
 #include "reference/wall_bounce.hpp"
 #include "reference/wall_contact.hpp"
 
@@ -42,13 +43,9 @@ class CvodeMotion {
       : equations_(scenario),
         solver_(
             2 * N, [this](const double* y, double* dydt) { evaluate(y, dydt); }, tolerances, scenario.name,
-            scenario.duration_s) {
-    for (std::size_t i = 0; i < N; ++i) {
-      begin_state_[i] = scenario.q0[i];
-      begin_state_[N + i] = scenario.qd0[i];
-    }
-    end_state_ = begin_state_;
-    restart_ = true;
+            scenario.duration_s),
+        begin_state_(start_state<2 * N>(scenario)),
+        end_state_(begin_state_) {
     if constexpr (N == 1) {
       if (scenario.wall) meet_wall(scenario);
     }
@@ -143,7 +140,7 @@ class CvodeMotion {
     std::copy_n(solver_.state(), 2 * N, end_state_.begin());
     if constexpr (N == 1) {
       std::optional<Touch> first;
-      for (const Stop& stop : stops()) {
+      for (const Stop& stop : stops_) {
         const std::optional<Touch> touch = first_touch(stop);
         if (touch && (!first || touch->t < first->t)) first = touch;
       }
@@ -153,10 +150,12 @@ class CvodeMotion {
 
   void meet_wall(const Scenario& scenario) {
     restitution_ = scenario.wall->restitution;
-    arc_ = free_arc(scenario);
+    const FreeArc arc = free_arc(scenario);
+    if (!std::isfinite(arc.low)) return;
+    stops_ = {{arc.low, 1.0}, {arc.high, -1.0}};
     const WallContact wall(scenario);
-    for (const Stop& stop : stops()) stop_uncertainty_ = std::max(stop_uncertainty_, rounding(wall, stop.angle));
-    for (const Stop& stop : stops()) {
+    for (const Stop& stop : stops_) stop_uncertainty_ = std::max(stop_uncertainty_, rounding(wall, stop.angle));
+    for (const Stop& stop : stops_) {
       if (stop.away * (begin_state_[0] - stop.angle) > contact_rad) continue;
       begin_state_[0] = stop.angle;
       const double rate = stop.away * begin_state_[1];
@@ -168,12 +167,6 @@ class CvodeMotion {
       begin_state_ = end_state_;
       return;
     }
-  }
-
-  /// The angles of touch: none, or the low and the high end of the free arc.
-  std::vector<Stop> stops() const {
-    if (!std::isfinite(arc_.low)) return {};
-    return {{arc_.low, 1.0}, {arc_.high, -1.0}};
   }
 
   /// How far an angle of touch may be off: by a few roundings of itself and of the distances of the corner that is
@@ -241,14 +234,17 @@ class CvodeMotion {
     end_state_ = {stop.angle, stop.away * speed + 0.0};
     next_ = Phase::flight;
     restart_ = true;
-    if (pull <= no_pull && (speed < rest_speed_rad_s || impacts_.size() >= most_impacts)) {
+    if (pull > no_pull) return;
+    // How high it will go: a parabola's height, or a swing's where the pull is weak; for ever where there is none.
+    const double stiffness = std::fabs(acceleration(0.0));
+    const double height =
+        speed == 0 ? 0 : std::fmin(speed * speed / (2 * std::fabs(pull)), speed / std::sqrt(stiffness));
+    if ((speed < rest_speed_rad_s && std::isfinite(height)) || impacts_.size() >= most_impacts) {
       next_ = Phase::rest;
       at_rest_from_ = t;
-      // A parabola's height, or a swing's where the pull is weak.
-      const double stiffness = std::fabs(acceleration(0.0));
-      rest_height_ = speed == 0 ? 0 : std::fmin(speed * speed / (2 * std::fabs(pull)), speed / std::sqrt(stiffness));
+      rest_height_ = height;
       end_state_[1] = 0;
-    } else if (pull < 0 && speed * speed * std::fabs(acceleration(0.0)) < hop_bend * pull * pull) {
+    } else if (speed * speed * stiffness < hop_bend * pull * pull) {
       next_ = Phase::hop;
     }
   }
@@ -261,7 +257,7 @@ class CvodeMotion {
 
   Equations equations_;
   CvodeSolver solver_;
-  FreeArc arc_;
+  std::vector<Stop> stops_;  // none, or the low and the high end of the free arc
   double restitution_ = 1;
   double stop_uncertainty_ = 0;
 
@@ -272,8 +268,8 @@ class CvodeMotion {
   std::optional<double> turn_height_;
   double begin_ = 0;
   double end_ = 0;
-  State begin_state_{};
-  State end_state_{};
+  State begin_state_;
+  State end_state_;
   std::vector<Impact> impacts_;
   double left_stop_ = std::numeric_limits<double>::quiet_NaN();
   double left_speed_ = 0;

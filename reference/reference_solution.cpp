@@ -48,8 +48,7 @@ class Uncertainty {
   double impact_s() const { return impact_s_; }
 
  private:
-  // Measured on 60 random chains over 10 to 100 s against lagrange-quad: with these the bound is never less than 2.6
-  // times the error, and 80 times in the middle.
+  // The halves and fifths of the bound (reference_solution.hpp).
   static constexpr double gain = 2;
   static constexpr double bias = 0.2;
 
@@ -100,7 +99,7 @@ class Uncertainty {
     const State y = tight.at(tight.end());
     const double pull = tight.acceleration(y[0]);
     // The link turns, or would turn, at q - qd^2 / 2 qdd. How far that is off leaves the speed at the wall unknown.
-    const double unknown_height = bound(State{1, -y[1] / pull}) + tight.stop_uncertainty();
+    const double unknown_height = pull == 0 ? 0 : bound(State{1, -y[1] / pull}) + tight.stop_uncertainty();
     const double unknown_speed = std::sqrt(2 * std::fabs(pull) * unknown_height);
     bool doubtful = !tight.struck() && *tight.turn_height() < 2 * unknown_height;
     if (tight.struck()) {

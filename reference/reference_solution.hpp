@@ -1,16 +1,25 @@
 #pragma once
 // The reference motion with a bound on its own error at every sample.
 //
-// The equations are integrated twice, at tight and at a hundred times looser tolerances. The bound for the tight run is
+// The equations are integrated twice, at tight tolerances and at thirty times looser ones. The bound for the tight run
+// is
 //
-//   U(t) = max(floor, max over s <= t of |tight - loose|(s) / spread(s) / gain) * spread(t)
+//   U(t) = max over s <= t of (|tight - loose|(s) / I(s)) / 2 * I(t)  +  A(t) / 5
 //
-// where spread (error_spread.hpp) is the standard deviation that errors of one tolerance in every step would have grown
-// to. So a difference seen at any time s is carried on by spread(t) / spread(s), the motion's own growth: where the two
-// runs happen to cross, the bound does not dip. `gain` allows for the tight run being the better one, by less than the
-// ratio of the tolerances; `floor` holds where both runs are at the level of rounding. Near a wall the bound also holds
-// that a graze may be a miss: an angle known to u leaves the speed at the wall unknown by sqrt(2 a u).
-// Once the bound passes 1 rad it never falls again: from there on nothing is known.
+// I and A say how far errors as large as the tight tolerance, one in every step, would have carried the angles by then
+// (error_spread.hpp): I if they owe nothing to each other, A if all of them conspire.
+//
+// - First term: a difference seen at any time s is carried on by I(t) / I(s), the motion's own growth, so the bound
+// does
+//   not dip where the two runs happen to cross. Half of it, since the tight run is the better one by far more than
+//   that.
+// - Second term: rounding drifts one way for a long time, and drifts as much in both runs, so their difference does not
+//   show it. A fifth of a tolerance a step is more than was ever seen.
+// - Near a wall: an angle known to u leaves the speed at the wall unknown by sqrt(2 a u), so a graze may be a miss.
+// - Once the bound has passed 1 rad it never falls again: from there on nothing is known.
+//
+// Covers, on 51 random chains over 10 to 100 s against lagrange-quad, every sample, by a factor of 2.6 at least and of
+// 80 in the middle (30 against the largest error so far).
 #include "odeval/reference.hpp"
 #include "odeval/scenario.hpp"
 #include "reference/cvode_solver.hpp"

@@ -260,6 +260,16 @@ void check_rest() {
     CHECK_NEAR(deepest, touch_angle(face), 1e-5);  // a sample lies within 0.5 ms of the turn: 15 / 2 * 0.0005^2 rad
     CHECK(deepest > touch_angle(face) - 1e-12);
   }
+  // Without weight a slow link leaves the wall and comes to the other side: 1.62 rad below and above, at 3 and 1.5
+  // rad/s.
+  Scenario weightless = wall_pendulum(0.9, 0.5, 0, -3);
+  weightless.gravity = 0;
+  const Reference drifting = solve_reference(weightless, five_seconds);
+  CHECK_EQUAL(drifting.impacts.size(), std::size_t{2});
+  CHECK_NEAR(drifting.impacts.at(0).t, -touch_angle(0.9) / 3, 1e-12);
+  CHECK_NEAR(drifting.impacts.at(1).t, -touch_angle(0.9) * (1 / 3.0 + 2 / 1.5), 1e-12);
+  CHECK_EQUAL(drifting.at_rest_from, -1.0);
+  CHECK(all_finite(drifting.uncertainty_q));
   // All speed lost against a wall the weight pulls into.
   const Reference stopped = solve_reference(wall_pendulum(0.97, 0), five_seconds);
   CHECK_EQUAL(stopped.impacts.size(), std::size_t{1});
