@@ -9,7 +9,6 @@ namespace odeval::engine_ode {
 
 struct Module {
   const char* precision;          // "double" or "single", as the linked library says of itself
-  std::size_t real_bytes;         // sizeof(dReal)
   const char* version;            // ODE's own
   const char* configuration;      // ODE's configuration tokens
   MakeSimulation make_step;       // dWorldStep

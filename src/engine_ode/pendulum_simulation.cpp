@@ -21,6 +21,9 @@ class PendulumSimulation final : public Simulation {
   PendulumSimulation(const Scenario& scenario, const SampleGrid& grid, StepFunction step)
       : scenario_(scenario), grid_(grid), step_(step), scene_(scenario) {
     impacts_.reserve(1024);
+    double angle = 0;
+    for (const double q : scenario.q0) angles_.push_back(angle += q);
+    follow_angles();
   }
 
   Outcome run(Rows* rows) override {
@@ -38,10 +41,11 @@ class PendulumSimulation final : public Simulation {
           }
           if (!finite()) throw Fault("a velocity or its square left the finite numbers");
           ++outcome.steps;
+          if (rows == nullptr) continue;
+          follow_angles();
+          if (outcome.steps == 1) give_start_its_forces(*rows);
         }
-        if (rows == nullptr) continue;
-        record(*rows);
-        if (row == 1) copy_forces_to_start(*rows);
+        if (rows != nullptr) record(*rows);
       }
     } catch (const Fault& fault) {
       outcome.diverged = true;
@@ -81,9 +85,15 @@ class PendulumSimulation final : public Simulation {
     return sum < 1e290;
   }
 
+  // One step turns a link by 2 atan(h |w| / 2), less than half a turn, so the nearest branch is the right one.
+  void follow_angles() {
+    for (std::size_t i = 0; i < angles_.size(); ++i) angles_[i] = nearest_branch(direction(i), angles_[i]);
+  }
+
   void record(Rows& rows) const {
     double* row = rows.append();
-    for (const BodyView& body : scene_.bodies()) {
+    for (std::size_t i = 0; i < angles_.size(); ++i) {
+      const BodyView& body = scene_.bodies()[i];
       for (int k = 0; k < 3; ++k) *row++ = body.position[k];
       for (int k = 0; k < 12; ++k) {
         if (k % 4 != 3) *row++ = body.rotation[k];
@@ -91,28 +101,39 @@ class PendulumSimulation final : public Simulation {
       for (int k = 0; k < 3; ++k) *row++ = body.velocity[k];
       for (int k = 0; k < 3; ++k) *row++ = body.spin[k];
       for (int k = 0; k < 3; ++k) *row++ = body.joint_force[k];
+      *row++ = angles_[i];
     }
     *row = scene_.contacts();
   }
 
-  // No step led to t = 0: its row shows the first recorded force instead of a zero nobody measured.
-  void copy_forces_to_start(Rows& rows) const {
-    for (std::size_t i = 0; i < scene_.bodies().size(); ++i) {
-      const std::size_t force = i * body_numbers + offsetof(BodyState, joint_force) / sizeof(double);
-      for (std::size_t k = 0; k < 3; ++k) rows.row(0)[force + k] = rows.row(1)[force + k];
+  // No step led to t = 0: its row shows the force of the first step instead of a zero nobody measured.
+  void give_start_its_forces(Rows& rows) const {
+    for (std::size_t i = 0; i < angles_.size(); ++i) {
+      double* force = rows.row(0) + i * body_numbers + offsetof(BodyState, joint_force) / sizeof(double);
+      for (int k = 0; k < 3; ++k) force[k] = scene_.bodies()[i].joint_force[k];
     }
   }
 
-  /// q1 of a link that a wall keeps within half a turn of the direction away from it.
-  double angle() const {
+  /// Absolute angle of a link's direction, within half a turn of 0.
+  double direction(std::size_t link) const {
     const PlanarFrame& frame = scenario_.problem->frame;
-    const dReal* r = scene_.bodies().front().rotation;
+    const dReal* r = scene_.bodies()[link].rotation;
     Vec3 along{};
     for (std::size_t i = 0; i < 3; ++i) {
       for (std::size_t j = 0; j < 3; ++j) along[i] += static_cast<double>(r[4 * i + j]) * frame.along_body[j];
     }
-    const double turn = 2 * std::numbers::pi;
-    return std::atan2(dot(along, frame.up), dot(along, frame.horizontal)) + turn * std::round(scenario_.q0[0] / turn);
+    return std::atan2(dot(along, frame.up), dot(along, frame.horizontal));
+  }
+
+  static double nearest_branch(double angle, double near) {
+    constexpr double turn = 2 * std::numbers::pi;
+    return angle + turn * std::round((near - angle) / turn);
+  }
+
+  /// q1 of a link against a wall, which keeps it within half a turn of the direction away from it.
+  double angle() const {
+    constexpr double turn = 2 * std::numbers::pi;
+    return direction(0) + turn * std::round(scenario_.q0[0] / turn);
   }
 
   double rate() const {
@@ -124,6 +145,7 @@ class PendulumSimulation final : public Simulation {
   SampleGrid grid_;
   StepFunction step_;
   PendulumScene scene_;
+  std::vector<double> angles_;  // absolute, of each link, as the steps have turned it
   std::vector<Impact> impacts_;
   bool touching_ = false;
 };

@@ -124,17 +124,13 @@ Trace cartesian_trace(const Scenario& scenario, const SampleGrid& grid, const Ro
   Trace trace = sized_trace(links, rows.count());
 
   std::vector<LinkMeter> meters;
-  std::vector<double> angle_before;  // absolute, unwrapped, of the row before; at first as the scenario has it
-  std::vector<double> rate_before(links);
   for (std::size_t i = 0; i < links; ++i) {
     meters.emplace_back(frame, scenario.links[i], scenario.gravity);
-    angle_before.push_back(scenario.q0[i] + (i == 0 ? 0 : angle_before[i - 1]));
   }
 
   for (std::size_t k = 0; k < rows.count(); ++k) {
     const double* row = rows.row(k);
     trace.t[k] = grid.time(static_cast<long>(k));
-    const double half_dt = k == 0 ? 0 : (trace.t[k] - trace.t[k - 1]) / 2;
     double angle_inside = 0;  // of the link before
     double rate_inside = 0;
     Vec3 anchor = frame.hinge_m;
@@ -143,12 +139,11 @@ Trace cartesian_trace(const Scenario& scenario, const SampleGrid& grid, const Ro
       std::memcpy(&body, row + i * body_numbers, sizeof body);
       const LinkState state = meters[i](body);
 
-      const double expected = k == 0 ? angle_before[i] : angle_before[i] + half_dt * (rate_before[i] + state.rate);
-      const double angle = unwrap(state.angle, expected);
+      const double angle = unwrap(state.angle, body.angle);
       trace.q[i][k] = angle - angle_inside;
       trace.qd[i][k] = state.rate - rate_inside;
-      angle_before[i] = angle_inside = angle;
-      rate_before[i] = rate_inside = state.rate;
+      angle_inside = angle;
+      rate_inside = state.rate;
 
       trace.kinetic[k] += state.kinetic;
       trace.potential[k] += state.potential;

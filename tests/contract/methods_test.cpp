@@ -26,6 +26,14 @@ const char* wanted_header(const Problem& problem, Coordinates coordinates) {
                 : "t,q1,q2,qd1,qd2,kinetic,potential,energy,energy_drift,gap,out_of_plane,error_q1,error_q2,contacts";
 }
 
+// Row 0 shows the first step's force; one sampled sparsely, the same one.
+void check_first_force(const Trace& sparse) {
+  for (const BodyColumns& body : sparse.bodies) {
+    CHECK(body.joint_force[2][0] != 0);
+    CHECK_NEAR(body.joint_force[2][0], body.joint_force[2][1], 5);  // 10 ms later
+  }
+}
+
 void check_contract(const Problem& problem, const catalogue::Method& method) {
   Scenario scenario = test::report_scenario(problem.name, 1.0, 1e-3);
   scenario.sample_s = 1e-2;
@@ -58,6 +66,38 @@ void check_contract(const Problem& problem, const catalogue::Method& method) {
 
   const auto again = catalogue::Evaluator(scenario).evaluate(method);
   CHECK(trace_csv(run.trace) == trace_csv(again.trace));
+  if (!run.trace.bodies.empty()) check_first_force(run.trace);
+}
+
+// Rows are a choice of what to keep, not of what happens: those that two samplings share are equal, turns included.
+void check_sampling(const char* name) {
+  if (!test::in_this_build(name)) return;
+  Scenario scenario = test::report_scenario("double_pendulum", 10.0, 1e-3);
+  const auto every = catalogue::Evaluator(scenario).evaluate(catalogue::find_method(name));
+  scenario.sample_s = 1.0;
+  const auto sparse = catalogue::Evaluator(scenario).evaluate(catalogue::find_method(name));
+  CHECK_EQUAL(sparse.trace.rows(), std::size_t{11});
+  for (std::size_t k = 0; k < sparse.trace.rows(); ++k) {
+    for (std::size_t i = 0; i < 2; ++i) CHECK_EQUAL(sparse.trace.q[i][k], every.trace.q[i][1000 * k]);
+  }
+  for (std::size_t d = 0; d < 3; ++d) {
+    CHECK_EQUAL(sparse.trace.bodies[1].joint_force[d][0], every.trace.bodies[1].joint_force[d][0]);
+    CHECK_EQUAL(every.trace.bodies[1].joint_force[d][0], every.trace.bodies[1].joint_force[d][1]);
+  }
+}
+
+// The seed is the scenario's: another one gives QuickStep another order of its rows, and other last digits.
+void check_seed() {
+  Scenario scenario = test::report_scenario("double_pendulum", 1.0, 1e-3);
+  const auto run = [&] {
+    return trace_csv(catalogue::Evaluator(scenario).evaluate(catalogue::find_method("ode-quickstep-double")).trace);
+  };
+  const std::string zero = run();
+  scenario.ode.seed = 1;
+  const std::string one = run();
+  CHECK(zero != one);
+  scenario.ode.seed = 0;
+  CHECK(run() == zero);
 }
 
 }  // namespace
@@ -68,5 +108,8 @@ int main() {
       if (method.make != nullptr && method.claims(problem)) check_contract(problem, method);
     }
   }
+  check_sampling("ode-step-double");
+  check_sampling("ode-quickstep-single");
+  check_seed();
   return test::verdict();
 }
