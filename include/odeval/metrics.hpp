@@ -16,7 +16,9 @@ struct Metrics {
   std::optional<double> rms_error_q;
   std::optional<double> reference_uncertainty;
   std::optional<double> divergence_time;  // s, first sample with an error above 0.1 rad
-  double max_energy_drift = 0;            // J, largest |energy - energy at t = 0|
+  std::optional<double>
+      reference_lost_at;        // s, first sample where the uncertainty passes 0.1 rad; ends the search above
+  double max_energy_drift = 0;  // J, largest |energy - energy at t = 0|
   double rms_energy_drift = 0;
   double final_energy_drift = 0;             // signed
   double max_gap = 0;                        // m

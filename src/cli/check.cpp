@@ -22,7 +22,19 @@ struct Options {
   bool json = false;
 };
 
-/// Every tolerance of one scenario. Each method runs once, over the whole duration as `odeval run` does.
+CheckRow::Verdict verdict_of(Judgement judgement) {
+  switch (judgement) {
+    case Judgement::kept:
+      return CheckRow::Verdict::kept;
+    case Judgement::undecided:
+      return CheckRow::Verdict::undecided;
+    case Judgement::failed:
+      break;
+  }
+  return CheckRow::Verdict::failed;
+}
+
+/// Every tolerance of one scenario. Each method runs once, over the scenario's duration or until the last tolerance.
 std::vector<CheckRow> check_scenario(Scenario scenario) {
   for (const Tolerance& tolerance : scenario.tolerances) {
     scenario.duration_s = std::max(scenario.duration_s, tolerance.until_s);
@@ -35,14 +47,14 @@ std::vector<CheckRow> check_scenario(Scenario scenario) {
     const auto all = catalogue::methods();
     const auto& method = *std::ranges::find(all, tolerance.method, &catalogue::Method::name);
     if (method.make != nullptr) {
-      catalogue::require_claim(method, *scenario.problem);
+      catalogue::require_claim(method, *scenario.problem, scenario.file + ": tolerances");
       const auto found = runs.find(tolerance.method);
       const auto& run = found != runs.end() ? found->second
                                             : runs.emplace(tolerance.method, evaluator.evaluate(method)).first->second;
       const Metrics metrics = evaluator.measure(run, tolerance.until_s);
       row.measured = judged_value(tolerance, metrics);
       row.reference_uncertainty = metrics.reference_uncertainty;
-      row.verdict = keeps(tolerance, metrics) ? CheckRow::Verdict::kept : CheckRow::Verdict::failed;
+      row.verdict = verdict_of(judge(tolerance, metrics));
     }
     rows.push_back(row);
   }
@@ -68,8 +80,9 @@ int check(const Options& options) {
   } else if (!options.quiet) {
     std::cout << checks_table(rows);
   }
-  const bool failed =
-      std::ranges::any_of(rows, [](const CheckRow& row) { return row.verdict == CheckRow::Verdict::failed; });
+  const bool failed = std::ranges::any_of(rows, [](const CheckRow& row) {
+    return row.verdict == CheckRow::Verdict::failed || row.verdict == CheckRow::Verdict::undecided;
+  });
   return failed ? 1 : 0;
 }
 

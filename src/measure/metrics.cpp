@@ -46,8 +46,15 @@ double largest(const Column& column, std::size_t rows) {
 }
 
 void measure_errors(const Trace& trace, const Reference& reference, std::size_t rows, Metrics& metrics) {
+  // From the first sample that the reference does not know to the angle of divergence, nobody can tell who is lost.
+  const Column& unknown = reference.uncertainty_q;
+  const auto reference_lost =
+      std::find_if(unknown.begin(), unknown.end(), [](double u) { return !(u <= divergence_rad); });
+  const std::size_t known = std::min(rows, static_cast<std::size_t>(reference_lost - unknown.begin()));
+  if (known < rows) metrics.reference_lost_at = trace.t[known];
+
   Spread spread;
-  std::size_t first_lost = rows;
+  std::size_t first_lost = known;
   for (const Column& error : trace.error_q) {
     for (std::size_t k = 0; k < rows; ++k) {
       spread.add(error[k]);
@@ -57,7 +64,7 @@ void measure_errors(const Trace& trace, const Reference& reference, std::size_t 
   metrics.max_error_q = spread.max();
   metrics.rms_error_q = spread.rms();
   metrics.reference_uncertainty = largest(reference.uncertainty_q, rows_until(reference.trace.t, metrics.until_s));
-  if (first_lost < rows) metrics.divergence_time = trace.t[first_lost];
+  if (first_lost < known) metrics.divergence_time = trace.t[first_lost];
 }
 
 void measure_energy(const Trace& trace, std::size_t rows, Metrics& metrics) {
@@ -92,7 +99,8 @@ void measure_reactions(const Trace& trace, const Reference& reference, std::size
 void count_as_lost(const Trace& trace, const Reference& reference, Metrics& metrics) {
   if (!trace.error_q.empty()) {
     metrics.max_error_q = metrics.rms_error_q = infinity;
-    if (!metrics.divergence_time) metrics.divergence_time = reference.trace.t[trace.rows()];
+    if (!metrics.divergence_time && !metrics.reference_lost_at)
+      metrics.divergence_time = reference.trace.t[trace.rows()];
   }
   metrics.max_energy_drift = metrics.rms_energy_drift = metrics.final_energy_drift = infinity;
   if (metrics.max_reaction_error) metrics.max_reaction_error = infinity;
@@ -144,10 +152,15 @@ std::optional<double> judged_value(const Tolerance& tolerance, const Metrics& me
   return never_lost ? infinity : value;
 }
 
-bool keeps(const Tolerance& tolerance, const Metrics& metrics) {
+Judgement judge(const Tolerance& tolerance, const Metrics& metrics) {
   const std::optional<double> value = judged_value(tolerance, metrics);
-  if (!value || (!std::isfinite(*value) && tolerance.metric != "divergence_time")) return false;
-  return (!tolerance.at_most || *value <= *tolerance.at_most) && (!tolerance.at_least || *value >= *tolerance.at_least);
+  if (!value || (!std::isfinite(*value) && tolerance.metric != "divergence_time")) return Judgement::failed;
+  const bool is_error = tolerance.metric == "max_error_q" || tolerance.metric == "rms_error_q";
+  const double doubt = is_error ? metrics.reference_uncertainty.value_or(0) : 0;
+  const double at_most = tolerance.at_most.value_or(infinity);
+  const double at_least = tolerance.at_least.value_or(-infinity);
+  if (*value - doubt > at_most || *value + doubt < at_least) return Judgement::failed;
+  return *value + doubt <= at_most && *value - doubt >= at_least ? Judgement::kept : Judgement::undecided;
 }
 
 }  // namespace odeval

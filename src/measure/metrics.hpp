@@ -33,8 +33,10 @@ const MetricRow* metric_named(std::string_view name);
 /// infinity. Empty when the metric has no meaning for the run. Throws UserError for an unknown metric.
 std::optional<double> judged_value(const Tolerance& tolerance, const Metrics& metrics);
 
-/// Whether the metrics, taken until the tolerance's time, keep it. A metric that has no meaning for the run, or that
-/// blew up, keeps nothing.
-bool keeps(const Tolerance& tolerance, const Metrics& metrics);
+enum class Judgement { kept, failed, undecided };
+
+/// Whether the metrics, taken until the tolerance's time, keep it. An error is judged with the reference's uncertainty
+/// on top: where a bound lies within it, nobody can tell. A metric without meaning keeps nothing.
+Judgement judge(const Tolerance& tolerance, const Metrics& metrics);
 
 }  // namespace odeval

@@ -19,6 +19,8 @@ std::string verdict_of(const CheckRow& row) {
       return "kept";
     case CheckRow::Verdict::failed:
       return "FAILED";
+    case CheckRow::Verdict::undecided:
+      return "UNDECIDED: within the uncertainty";
     case CheckRow::Verdict::left_out:
       break;
   }
@@ -39,9 +41,9 @@ std::string checks_table(const std::vector<CheckRow>& rows) {
                three_digits(tolerance.at_least), three_digits(tolerance.at_most), verdict_of(row)});
   }
   const auto count = [&](CheckRow::Verdict verdict) { return std::ranges::count(rows, verdict, &CheckRow::verdict); };
-  return table.text() + fmt::format("\n{} tolerances: {} kept, {} failed, {} left out\n", rows.size(),
+  return table.text() + fmt::format("\n{} tolerances: {} kept, {} failed, {} undecided, {} left out\n", rows.size(),
                                     count(CheckRow::Verdict::kept), count(CheckRow::Verdict::failed),
-                                    count(CheckRow::Verdict::left_out));
+                                    count(CheckRow::Verdict::undecided), count(CheckRow::Verdict::left_out));
 }
 
 std::string checks_json(const std::vector<CheckRow>& rows) {

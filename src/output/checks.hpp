@@ -9,13 +9,13 @@
 namespace odeval {
 
 struct CheckRow {
-  enum class Verdict { kept, failed, left_out };
+  enum class Verdict { kept, failed, undecided, left_out };
 
   std::string scenario;
   Tolerance tolerance;
   std::optional<double> measured;  // empty: the metric has no meaning for the run
   std::optional<double> reference_uncertainty;
-  Verdict verdict = Verdict::failed;  // left_out: the method is not in this build
+  Verdict verdict = Verdict::failed;  // undecided: the bound lies within the uncertainty; left_out: not in this build
 };
 
 std::string checks_table(const std::vector<CheckRow>& rows);

@@ -29,6 +29,10 @@ std::string run_report(const std::vector<RunSummary>& runs, std::span<const doub
       "lost at    first error above {:g} rad\n"
       "reference  {}\n",
       divergence_rad, reference.described);
+  if (const auto lost = runs.front().metrics.reference_lost_at) {
+    text += fmt::format("           itself unknown to {:g} rad from t = {:g} s: nothing is called lost after that\n",
+                        divergence_rad, *lost);
+  }
   return text;
 }
 

@@ -51,7 +51,7 @@ Json ode_settings(const Scenario& scenario) {
 Json settings(const RunSummary& run) {
   const Scenario& scenario = run.scenario;
   Json json = {{"step", run.grid.step_s},
-               {"duration", scenario.duration_s},
+               {"duration", run.grid.time(run.grid.rows - 1)},
                {"sample", scenario.sample_s.value_or(run.grid.step_s)},
                {"gravity", scenario.gravity},
                {"q0", json_of(scenario.q0)},
@@ -124,6 +124,7 @@ std::string summary_json(const RunSummary& run) {
   json["diverged"] = outcome.diverged;
   json["reason"] = outcome.reason.empty() ? Json() : Json(outcome.reason);
   for (const MetricRow& row : metric_table()) json[std::string(row.name)] = json_of(row.value(run.metrics));
+  json["reference_lost_at"] = json_of(run.metrics.reference_lost_at);
   json["error_at"] = errors_at(run.error_at);
   if (outcome.self_difference) json["self_difference"] = json_number(*outcome.self_difference);
   json["at_rest_from"] = outcome.at_rest_from < 0 ? Json() : json_number(outcome.at_rest_from);
@@ -143,7 +144,7 @@ std::string summary_csv(const std::vector<RunSummary>& runs) {
   for (const RunSummary& run : runs) {
     const Outcome& outcome = run.outcome;
     text += fmt::format("{},{},{},{},{},{},{},{},{}", cell(run.scenario.name), cell(run.method), run.is_reference,
-                        number_text(run.grid.step_s), number_text(run.scenario.duration_s), outcome.steps,
+                        number_text(run.grid.step_s), number_text(run.grid.time(run.grid.rows - 1)), outcome.steps,
                         outcome.evaluations, outcome.diverged, cell(outcome.reason));
     for (const MetricRow& row : metric_table()) text += ',' + cell(row.value(run.metrics));
     for (const double time : error_times) {

@@ -22,6 +22,7 @@ const Metrics* metrics_until(const RunSummary& run, double time) {
 
 std::string error_cell(const RunSummary& run, const Metrics* metrics) {
   if (metrics == nullptr) return "-";
+  if (metrics->reference_uncertainty.value_or(0) > 1) return "reference lost";
   if (run.is_reference) return "± " + fmt::format("{:.1g}", metrics->reference_uncertainty.value_or(0));
   return with_uncertainty(metrics->max_error_q, metrics->reference_uncertainty);
 }
