@@ -1,15 +1,21 @@
 // The program: reads the command line, does it, and turns what went wrong into one line and an exit status.
 #include <exception>
 #include <iostream>
+#include <new>
 
 #include "cli/commands.hpp"
 #include "odeval/error.hpp"
 
 int main(int argc, char** argv) try {
-  return odeval::cli::run_command_line(argc, argv);
+  const int status = odeval::cli::run_command_line(argc, argv);
+  if (!std::cout.flush()) throw odeval::MachineError("standard output cannot be written");
+  return status;
 } catch (const odeval::UserError& error) {
   std::cerr << "odeval: " << error.what() << '\n';
   return 2;
+} catch (const std::bad_alloc&) {
+  std::cerr << "odeval: out of memory; fewer rows need less: --sample DT, --duration T\n";
+  return 3;
 } catch (const std::exception& error) {
   std::cerr << "odeval: " << error.what() << '\n';
   return 3;

@@ -84,20 +84,20 @@ std::string why_missing(const Method& method) {
 const Method& find_method(std::string_view name) {
   const auto* found = std::ranges::find(table, name, &Method::name);
   if (found == table.end()) {
-    throw UserError("--method: no method named '" + std::string(name) + "' (nearest: '" +
-                    nearest(name, method_names()) + "'); 'odeval list' shows all");
+    throw UserError("--method: no method named '" + std::string(name) + "'" + nearest_hint(name, method_names()) +
+                    "; 'odeval list' shows all");
   }
   if (found->make == nullptr) throw UserError("--method: " + why_missing(*found));
   return *found;
 }
 
-void require_claim(const Method& method, const Problem& problem) {
+void require_claim(const Method& method, const Problem& problem, const std::string& origin) {
   if (method.claims(problem)) return;
   std::string does;
   for (const Problem& other : problems) {
     if (method.claims(other)) does += (does.empty() ? "" : ", ") + std::string(other.name);
   }
-  throw UserError("--method: method '" + std::string(method.name) + "' does not do problem '" +
+  throw UserError(origin + ": method '" + std::string(method.name) + "' does not do problem '" +
                   std::string(problem.name) + "'; it does " + does);
 }
 

@@ -29,8 +29,8 @@ std::span<const Method> methods();
 /// Throws UserError with the nearest name, or why the build lacks the method.
 const Method& find_method(std::string_view name);
 
-/// Throws UserError when the method does not do the problem.
-void require_claim(const Method& method, const Problem& problem);
+/// Throws UserError when the method does not do the problem. `origin` is where the method was named.
+void require_claim(const Method& method, const Problem& problem, const std::string& origin);
 
 /// Why a method with `make == nullptr` is missing, in one line.
 std::string why_missing(const Method& method);

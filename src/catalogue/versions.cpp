@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "engine_ode/module.hpp"
+#include "reference/boost_version.hpp"
 #include "reference/cvode_solver.hpp"
 
 namespace odeval::catalogue {
@@ -32,9 +33,13 @@ NamedTexts versions() {
 #else
   const std::string single = "not in this build";
 #endif
-  return {{"odeval", ODEVAL_VERSION},    {"ode_double", described(engine_ode::odeval_ode_double())},
-          {"ode_single", single},        {"sundials", reference::CvodeSolver::version()},
-          {"compiler", ODEVAL_COMPILER}, {"flags", ODEVAL_FLAGS}};
+  return {{"odeval", ODEVAL_VERSION},
+          {"ode_double", described(engine_ode::odeval_ode_double())},
+          {"ode_single", single},
+          {"sundials", reference::CvodeSolver::version()},
+          {"boost", reference::boost_version},
+          {"compiler", ODEVAL_COMPILER},
+          {"flags", ODEVAL_FLAGS}};
 }
 
 NamedTexts machine() {

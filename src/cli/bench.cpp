@@ -9,6 +9,7 @@
 #include "cli/progress.hpp"
 #include "cli/settings.hpp"
 #include "measure/spread.hpp"
+#include "odeval/error.hpp"
 #include "output/file.hpp"
 #include "output/timing.hpp"
 #include "scenario/find_scenario.hpp"
@@ -66,6 +67,9 @@ int bench(const Options& options) {
   const auto names = options.scenarios.empty() ? scenario_names(catalogue::scenario_folder()) : options.scenarios;
   for (const std::string& name : names) {
     const Scenario scenario = options.settings.read(name);
+    if (std::ranges::any_of(plans, [&](const Plan& plan) { return plan.evaluator.scenario().name == scenario.name; })) {
+      throw UserError(name + ": a second scenario named '" + scenario.name + "'; give each a name of its own");
+    }
     Plan& plan = plans.emplace_back(Plan{catalogue::Evaluator(scenario), {}});
     for (const catalogue::Method* method : chosen_methods(options.methods, scenario))
       plan.timed.push_back({method, 0, {}});
@@ -101,15 +105,12 @@ int bench(const Options& options) {
 Action attach_bench(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   app.add_option("SCENARIO", options->scenarios, "names or .toml files; default: all that come with the program");
-  app.add_option("--method", options->methods, "one or several, with commas; default: each scenario's own list")
-      ->type_name("M[,M...]")
-      ->delimiter(',')
-      ->allow_extra_args(false);
+  add_method_option(app, options->methods);
   app.add_option("--repeats", options->repeats, "timed rounds")
       ->type_name("N")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  app.add_option("--out", options->out, "folder of the results")->type_name("DIR")->capture_default_str();
+  add_out_option(app, options->out);
   app.add_flag("--quiet", options->quiet, "no table, no progress");
   app.add_flag("--json", options->json, "the table for programs");
   options->settings.attach(app);

@@ -36,8 +36,8 @@ std::string first_line(const std::string& text) { return text.substr(0, text.fin
     if (command != &app && !extra.front().starts_with("-")) {
       throw UserError(extra.front() + ": one argument too many; '" + who + " --help' shows all");
     }
-    throw UserError(extra.front() + ": no such " + (command == &app ? "command" : "flag") + " (nearest: '" +
-                    nearest(extra.front(), known) + "'); '" + who + " --help' shows all");
+    throw UserError(extra.front() + ": no such " + (command == &app ? "command" : "flag") +
+                    nearest_hint(extra.front(), known) + "; '" + who + " --help' shows all");
   }
   throw UserError(first_line(error.what()) + "; '" + who + " --help' shows how");
 }

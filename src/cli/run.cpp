@@ -61,11 +61,8 @@ int run(const Options& options) {
 Action attach_run(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   app.add_option("SCENARIO", options->scenario, "a name ('odeval list') or a .toml file")->required();
-  app.add_option("--method", options->methods, "one or several, with commas; default: the scenario's own list")
-      ->type_name("M[,M...]")
-      ->delimiter(',')
-      ->allow_extra_args(false);
-  app.add_option("--out", options->out, "folder of the results")->type_name("DIR")->capture_default_str();
+  add_method_option(app, options->methods);
+  add_out_option(app, options->out);
   app.add_flag("--quiet", options->quiet, "no table, no progress");
   app.add_flag("--json", options->json, "summaries for programs instead of the table");
   options->settings.attach(app);

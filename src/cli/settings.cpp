@@ -50,9 +50,9 @@ void Settings::attach(CLI::App& app) {
   for (const char* key : flag_keys) {
     const KeyRow& row = row_of(key);
     Flag& flag = flags_.emplace_back(Flag{flag_of(key), key, ""});
-    app.add_option(flag.flag, flag.value, std::string(row.meaning))
-        ->type_name(row.unit.empty() ? "VALUE" : std::string(row.unit))
-        ->group("Settings, each on top of the scenario file");
+    flag.option = app.add_option(flag.flag, flag.value, std::string(row.meaning))
+                      ->type_name(row.unit.empty() ? "VALUE" : std::string(row.unit))
+                      ->group("Settings, each on top of the scenario file");
   }
   app.add_option("--set", sets_, "any key of the file, e.g. --set links.0.mass=2 --set q0=[1.0,0.5]")
       ->type_name("KEY=VALUE")
@@ -63,7 +63,7 @@ void Settings::attach(CLI::App& app) {
 Scenario Settings::read(const std::string& name_or_path) const {
   std::vector<Override> overrides;
   for (const Flag& flag : flags_) {
-    if (!flag.value.empty()) overrides.push_back({flag.key, flag.value, flag.flag});
+    if (flag.option->count() > 0) overrides.push_back({flag.key, flag.value, flag.flag});
   }
   for (const std::string& set : sets_) {
     const std::size_t equals = set.find('=');
@@ -75,11 +75,26 @@ Scenario Settings::read(const std::string& name_or_path) const {
   return read_scenario(find_scenario(name_or_path, catalogue::scenario_folder()), overrides, known_names());
 }
 
+void add_method_option(CLI::App& app, std::vector<std::string>& methods) {
+  app.add_option("--method", methods, "one or several, with commas; default: the scenario's own list")
+      ->type_name("M[,M...]")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+}
+
+void add_out_option(CLI::App& app, std::string& out) {
+  app.add_option("--out", out, "folder of the results")
+      ->type_name("DIR")
+      ->check([](const std::string& folder) { return folder.empty() ? std::string("must name a folder") : ""; })
+      ->capture_default_str();
+}
+
 std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::string>& asked, const Scenario& scenario) {
   std::vector<const catalogue::Method*> chosen;
-  for (const std::string& name : asked) {
+  for (const std::string& word : asked) {
+    const std::string name = CLI::detail::trim_copy(word);
     const catalogue::Method& method = catalogue::find_method(name);
-    catalogue::require_claim(method, *scenario.problem);
+    catalogue::require_claim(method, *scenario.problem, "--method");
     if (std::ranges::find(chosen, &method) == chosen.end()) chosen.push_back(&method);
   }
   if (!asked.empty()) return chosen;
@@ -89,7 +104,7 @@ std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::stri
     if (method.make == nullptr) {
       std::cerr << "odeval: left out: " << catalogue::why_missing(method) << '\n';
     } else {
-      catalogue::require_claim(method, *scenario.problem);
+      catalogue::require_claim(method, *scenario.problem, scenario.file + ": methods");
       chosen.push_back(&method);
     }
   }

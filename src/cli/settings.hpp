@@ -10,7 +10,8 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace odeval::cli {
 
@@ -27,10 +28,15 @@ class Settings {
     std::string flag;
     std::string key;
     std::string value;
+    const CLI::Option* option = nullptr;  // knows whether it was typed
   };
   std::deque<Flag> flags_;  // stable addresses: the parser writes into them
   std::vector<std::string> sets_;
 };
+
+/// `--method M[,M...]` and `--out DIR`, as every command that has them spells them.
+void add_method_option(CLI::App& app, std::vector<std::string>& methods);
+void add_out_option(CLI::App& app, std::string& out);
 
 /// The methods to run: those asked for, or else the scenario's own list. A method of that list that is missing in this
 /// build or does not do the problem is left out with a line on stderr; one that was asked for is a UserError.

@@ -34,8 +34,8 @@ fs::path find_scenario(const std::string& name_or_path, const fs::path& folder) 
     throw UserError(fmt::format("no scenario named '{}': there is no scenario file in {}", one_line(name_or_path),
                                 one_line(folder.string())));
   }
-  throw UserError(fmt::format("no scenario named '{}' (nearest: '{}'); 'odeval list' shows all {}",
-                              one_line(name_or_path), nearest(name_or_path, names), names.size()));
+  throw UserError(fmt::format("no scenario named '{}'{}; 'odeval list' shows all {}", one_line(name_or_path),
+                              nearest_hint(name_or_path, names), names.size()));
 }
 
 }  // namespace odeval

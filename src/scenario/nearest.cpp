@@ -27,4 +27,10 @@ std::string nearest(std::string_view word, std::span<const std::string> known) {
   return best == known.end() ? std::string() : *best;
 }
 
+std::string nearest_hint(std::string_view word, std::span<const std::string> known) {
+  const std::string found = nearest(word, known);
+  if (found.empty() || 2 * edit_distance(word, found) > found.size()) return {};
+  return " (nearest: '" + found + "')";
+}
+
 }  // namespace odeval

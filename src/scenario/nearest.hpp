@@ -12,4 +12,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b);
 /// The first of the known words with the least edit distance; empty when none is known.
 std::string nearest(std::string_view word, std::span<const std::string> known);
 
+/// " (nearest: 'word')" where a known word is near enough to be what was meant: at most half its letters differ.
+std::string nearest_hint(std::string_view word, std::span<const std::string> known);
+
 }  // namespace odeval

@@ -18,17 +18,14 @@
 #include "catalogue/evaluation.hpp"
 #include "catalogue/paths.hpp"
 #include "cli/settings.hpp"
+#include "measure/spread.hpp"
 #include "scenario/read_scenario.hpp"
 #include "tests/benchmark/bare_loop.h"
 
 namespace {
 
+using odeval::median;
 using odeval::catalogue::cpu_seconds;
-
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[values.size() / 2];
-}
 
 /// CPU seconds of the command, children's user and system time together.
 double command_seconds(const std::filesystem::path& program, const std::filesystem::path& out) {
