@@ -15,6 +15,7 @@ constexpr std::array table{
     Command{"list", "scenarios, methods, commands, library versions and precision of this build", attach_list},
     Command{"run", "traces, summaries and energy drift of one scenario", attach_run},
     Command{"bench", "timing table, methods interleaved, no output while timing", attach_bench},
+    Command{"snapshot", "pictures of poses: single, on a sheet, or the run as a film", attach_snapshot},
     Command{"check", "every tolerance of the scenario files; exit status 1 if one fails", attach_check},
 };
 

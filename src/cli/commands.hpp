@@ -27,6 +27,7 @@ int run_command_line(int argc, char** argv);
 Action attach_list(CLI::App& app);
 Action attach_run(CLI::App& app);
 Action attach_bench(CLI::App& app);
+Action attach_snapshot(CLI::App& app);
 Action attach_check(CLI::App& app);
 
 }  // namespace odeval::cli

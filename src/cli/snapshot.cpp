@@ -1,0 +1,276 @@
+// odeval snapshot: pictures of poses, one file a time, or all on a sheet, or the whole run as a film.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <iostream>
+#include <optional>
+
+#include "catalogue/evaluation.hpp"
+#include "catalogue/versions.hpp"
+#include "cli/commands.hpp"
+#include "cli/progress.hpp"
+#include "cli/settings.hpp"
+#include "odeval/error.hpp"
+#include "output/file.hpp"
+#include "output/number.hpp"
+#include "render/png.hpp"
+#include "render/studio.hpp"
+
+namespace odeval::cli {
+namespace {
+
+constexpr int film_rate = 25;  // frames a second, at real-time speed
+
+struct Options {
+  std::string scenario;
+  std::vector<std::string> methods;
+  Settings settings;
+  std::string times;
+  std::string size = "800x600";
+  std::string camera = "corner";
+  bool sheet = false;
+  bool overlay = false;
+  bool film = false;
+  std::string out = "results";
+  bool quiet = false;
+};
+
+/// The whole of the text as a finite number.
+std::optional<double> finite_number(std::string_view text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+/// What stands between commas, empty parts included.
+std::vector<std::string_view> parts(std::string_view text) {
+  std::vector<std::string_view> found;
+  for (std::size_t comma = text.find(','); comma != std::string_view::npos; comma = text.find(',')) {
+    found.push_back(text.substr(0, comma));
+    text.remove_prefix(comma + 1);
+  }
+  found.push_back(text);
+  return found;
+}
+
+struct Size {
+  int width;
+  int height;
+};
+
+Size parse_size(const std::string& text) {
+  const auto side = [](std::string_view digits) {
+    int value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    const bool whole = error == std::errc() && end == digits.data() + digits.size();
+    return whole && value >= render::least_size && value <= render::largest_size ? value : 0;
+  };
+  const std::size_t x = text.find('x');
+  const Size size{side(std::string_view(text).substr(0, x)), x == std::string::npos ? 0 : side(text.substr(x + 1))};
+  if (size.width == 0 || size.height == 0) {
+    throw UserError(fmt::format("--size {}: must be WxH, both whole numbers from {} to {}, e.g. 800x600", text,
+                                render::least_size, render::largest_size));
+  }
+  return size;
+}
+
+render::View parse_camera(const std::string& text) {
+  if (text == "front") return {0, 0, {}};
+  if (text == "side") return {90, 0, {}};
+  if (text == "corner") return {30, 14, {}};
+  std::vector<double> numbers;
+  bool good = true;
+  for (const std::string_view part : parts(text)) {
+    const std::optional<double> number = finite_number(part);
+    good = good && number;
+    numbers.push_back(number.value_or(0));
+  }
+  good = good && (numbers.size() == 2 || numbers.size() == 3) && std::fabs(numbers[0]) <= 360 &&
+         std::fabs(numbers[1]) <= 89 && (numbers.size() == 2 || (numbers[2] >= 1e-3 && numbers[2] <= 1e6));
+  if (!good) {
+    throw UserError("--camera " + text +
+                    ": must be front, side, corner or AZIMUTH,ELEVATION[,DISTANCE]: degrees from -360 to 360 and from "
+                    "-89 to 89, m from 0.001 to 1e6");
+  }
+  return {numbers[0], numbers[1], numbers.size() == 3 ? std::optional(numbers[2]) : std::nullopt};
+}
+
+/// The rows nearest to the times, each once.
+std::vector<std::size_t> rows_at(const std::string& times, const Scenario& scenario, const SampleGrid& grid) {
+  std::vector<std::size_t> rows;
+  if (times.empty()) return rows;
+  for (const std::string_view part : parts(times)) {
+    const std::optional<double> t = finite_number(part);
+    if (!t || *t < 0 || *t > scenario.duration_s) {
+      throw UserError(fmt::format("--times {}: '{}' is no time of the run; must be numbers from 0 to {} s, with commas",
+                                  times, part, number_text(scenario.duration_s)));
+    }
+    const long row = std::min(std::lround(*t / (grid.step_s * static_cast<double>(grid.stride))), grid.rows - 1);
+    const auto index = static_cast<std::size_t>(row);
+    if (std::ranges::find(rows, index) == rows.end()) rows.push_back(index);
+  }
+  return rows;
+}
+
+/// A sample's time for captions and names: at least three digits, free of the rounding of k * h.
+std::string time_text(double t) {
+  std::string text = fmt::format("{:.9f}", t);
+  while (text.ends_with('0') && text.size() - text.find('.') > 4) text.pop_back();
+  return text;
+}
+
+/// Pictures of one method's run, written as they are made.
+class Album {
+ public:
+  Album(const Options& options, catalogue::Evaluator& evaluator, const catalogue::Evaluation& run,
+        render::Studio& studio)
+      : options_(options),
+        scenario_(evaluator.scenario()),
+        reference_(evaluator.reference()),
+        run_(run),
+        studio_(studio) {
+    method_ = run.method->name;
+    folder_ = std::filesystem::path(options.out) / scenario_.name;
+    if (run.method->order > 0) step_ = "h = " + number_text(scenario_.step_s) + " s";
+  }
+
+  void pictures(const std::vector<std::size_t>& rows) {
+    for (const std::size_t row : rows) {
+      const std::string t = time_text(run_.trace.t[row]);
+      write("t" + t, render::png(studio_.picture(shot(row), caption(row)), texts(t)));
+    }
+  }
+
+  void sheet(const std::vector<std::size_t>& rows) {
+    std::vector<render::Shot> shots;
+    std::string all;
+    for (const std::size_t row : rows) {
+      shots.push_back(shot(row));
+      all += (all.empty() ? "" : ",") + time_text(run_.trace.t[row]);
+    }
+    write("sheet", render::png(studio_.sheet(shots, {who(), step_}), texts(all)));
+  }
+
+  void film() {
+    const Column& t = run_.trace.t;
+    render::Film film(film_rate, texts(time_text(t.front()) + ".." + time_text(t.back())));
+    const double spacing = t.size() > 1 ? t[1] - t[0] : 1;
+    for (long frame = 0;; ++frame) {
+      const auto row = static_cast<std::size_t>(std::lround(static_cast<double>(frame) / film_rate / spacing));
+      if (row >= t.size()) break;
+      film.add(studio_.picture(shot(row), caption(row)));
+    }
+    write("film", film.finish());
+  }
+
+  const std::vector<std::string>& written() const { return written_; }
+
+ private:
+  render::Shot shot(std::size_t row) const {
+    render::Shot shot{render::pose_at(scenario_, run_.trace, row), {}, "t = " + time_text(run_.trace.t[row]) + " s"};
+    if (options_.overlay) shot.outline = render::pose_at(scenario_, reference_.trace, row);
+    return shot;
+  }
+
+  std::string who() const {
+    return scenario_.name + ", " + method_ + (options_.overlay ? " (outline: reference)" : "");
+  }
+
+  render::Caption caption(std::size_t row) const {
+    return {who(), (step_.empty() ? "" : step_ + ", ") + "t = " + time_text(run_.trace.t[row]) + " s"};
+  }
+
+  render::PngTexts texts(const std::string& t) const {
+    render::PngTexts all{{"scenario", scenario_.name}, {"method", method_}, {"t", t}};
+    if (options_.overlay) all.emplace_back("overlay", reference_.described);
+    all.emplace_back("Software", "odeval " + catalogue::versions().front().second);
+    return all;
+  }
+
+  void write(const std::string& what, const std::string& bytes) {
+    const std::filesystem::path file = folder_ / (method_ + "-" + what + ".png");
+    write_whole(file, bytes);
+    written_.push_back(file.string());
+  }
+
+  const Options& options_;
+  const Scenario& scenario_;
+  const Reference& reference_;
+  const catalogue::Evaluation& run_;
+  render::Studio& studio_;
+  std::string method_;
+  std::string step_;  // empty where the method has no fixed step
+  std::filesystem::path folder_;
+  std::vector<std::string> written_;
+};
+
+int snapshot(const Options& options) {
+  const Scenario scenario = options.settings.read(options.scenario);
+  const auto methods = chosen_methods(options.methods, scenario);
+  const Size size = parse_size(options.size);
+  const render::View view = parse_camera(options.camera);
+  catalogue::Evaluator evaluator(scenario);
+  const std::vector<std::size_t> rows = rows_at(options.times, scenario, evaluator.grid());
+  if (rows.empty() && !options.film) throw UserError("--times: names no time; give --times T1[,T2...] in s, or --film");
+  if (rows.empty() && options.sheet) throw UserError("--sheet: needs --times T1[,T2...] in s");
+
+  render::Studio studio(scenario, view, size.width, size.height, render::caption_font());
+  bool diverged = false;
+  std::vector<std::string> written;
+  {
+    Progress progress(methods.size(), options.quiet);
+    for (const catalogue::Method* method : methods) {
+      progress.next(scenario.name + " " + std::string(method->name));
+      const catalogue::Evaluation run = evaluator.evaluate(*method);
+      std::vector<std::size_t> there;
+      std::ranges::copy_if(rows, std::back_inserter(there), [&](std::size_t row) { return row < run.trace.rows(); });
+      Album album(options, evaluator, run, studio);
+      if (options.sheet && !there.empty()) album.sheet(there);
+      if (!options.sheet) album.pictures(there);
+      if (options.film) album.film();
+      std::ranges::copy(album.written(), std::back_inserter(written));
+      if (run.outcome.diverged) {
+        diverged = true;
+        std::cerr << "odeval: " << method->name << " diverged: " << run.outcome.reason
+                  << "; there are no pictures after that\n";
+      }
+    }
+  }
+  if (!options.quiet) {
+    for (const std::string& file : written) std::cout << "wrote " << file << '\n';
+  }
+  return diverged ? 1 : 0;
+}
+
+}  // namespace
+
+Action attach_snapshot(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  app.add_option("SCENARIO", options->scenario, "a name ('odeval list') or a .toml file")->required();
+  app.add_option("--method", options->methods, "one or several, with commas; default: the scenario's own list")
+      ->type_name("M[,M...]")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  app.add_option("--times", options->times, "a picture at each, in s, from the nearest sample of the run")
+      ->type_name("T1[,T2...]");
+  app.add_option("--size", options->size, "pixels of a picture or sheet, 16x16 to 8192x8192")
+      ->type_name("WxH")
+      ->capture_default_str();
+  app.add_option("--camera", options->camera,
+                 "front, side, corner, or AZIMUTH,ELEVATION[,DISTANCE] in degrees (and m from the first hinge)")
+      ->type_name("VIEW")
+      ->capture_default_str();
+  app.add_flag("--sheet", options->sheet, "all times on one picture");
+  app.add_flag("--overlay", options->overlay, "the reference's pose as an outline over the method's");
+  app.add_flag("--film", options->film, "the whole run as an animated PNG at real-time speed");
+  app.add_option("--out", options->out, "folder of the results")->type_name("DIR")->capture_default_str();
+  app.add_flag("--quiet", options->quiet, "no list of files, no progress");
+  options->settings.attach(app);
+  return [options] { return snapshot(*options); };
+}
+
+}  // namespace odeval::cli

@@ -1,0 +1,129 @@
+#include "render/studio.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "odeval/error.hpp"
+
+namespace odeval::render {
+namespace {
+
+constexpr Colour ink{38, 40, 44};
+constexpr Colour rule{214, 217, 221};
+constexpr double least_text = 6;      // pixels; smaller text can not be read and is left out
+constexpr double strip_height = 2.1;  // of a caption, in text sizes
+
+double text_size(int width, int height) { return std::max(9.0, std::min(width, height) / 36.0); }
+
+/// Height of the strip a text of that size needs; none in pictures too low for it.
+int strip_of(double size_px, int height) {
+  const int strip = static_cast<int>(std::lround(strip_height * size_px));
+  return 4 * strip <= height ? strip : 0;
+}
+
+int baseline(int strip_top, int strip, double size_px) {
+  return strip_top + static_cast<int>(std::lround(strip / 2.0 + 0.36 * size_px));
+}
+
+void frame(Image& image, const Tile& around) {
+  for (int x = 0; x < around.width; ++x) {
+    for (const int y : {0, around.height - 1}) image.mix(around.x + x, around.y + y, rule, 255);
+  }
+  for (int y = 0; y < around.height; ++y) {
+    for (const int x : {0, around.width - 1}) image.mix(around.x + x, around.y + y, rule, 255);
+  }
+}
+
+}  // namespace
+
+std::vector<Panel> sheet_panels(std::size_t shots, int width, int height) {
+  const int count = static_cast<int>(shots);
+  int best_columns = 0;
+  int best = least_size - 1;
+  for (int columns = 1; columns <= count; ++columns) {
+    const int rows = (count + columns - 1) / columns;
+    const int shorter = std::min(width / columns, height / rows);
+    if (shorter > best) {
+      best = shorter;
+      best_columns = columns;
+    }
+  }
+  std::vector<Panel> panels;
+  if (best_columns == 0) return panels;
+  const int rows = (count + best_columns - 1) / best_columns;
+  const int across = width / best_columns;
+  const int down = height / rows;
+  const int gap = across / 60;
+  const int strip = strip_of(std::max(9.0, down / 24.0), down);
+  for (int k = 0; k < count; ++k) {
+    const int row = k / best_columns;
+    const int in_row = std::min(best_columns, count - row * best_columns);
+    const int left = (width - in_row * across) / 2 + (k % best_columns) * across;  // a short last row in the middle
+    const int top = row * down;
+    panels.push_back({{left + gap, top + gap, across - 2 * gap, down - strip - gap},
+                      {left + gap, top + down - strip, across - 2 * gap, strip}});
+  }
+  return panels;
+}
+
+Studio::Studio(const Scenario& scenario, const View& view, int width, int height, const std::filesystem::path& font)
+    : stage_(scenario),
+      frame_(scenario.problem->frame),
+      view_(view),
+      width_(width),
+      height_(height),
+      strip_(strip_of(text_size(width, height), height)),
+      font_(font),
+      painter_(width, height) {}
+
+Image Studio::scene(const Shot& shot, int width, int height) {
+  const Camera camera = this->camera(width, height);
+  return painter_.paint(stage_.layers(camera, shot.pose, shot.outline ? &*shot.outline : nullptr), camera);
+}
+
+Image Studio::picture(const Shot& shot, const Caption& caption) {
+  Image image(width_, height_);
+  image.place(scene(shot, width_, height_ - strip_), 0, 0);
+  write_caption(image, caption);
+  return image;
+}
+
+Image Studio::sheet(std::span<const Shot> shots, const Caption& caption) {
+  const std::vector<Panel> panels = sheet_panels(shots.size(), width_, height_ - strip_);
+  if (panels.empty()) {
+    throw UserError("--times: " + std::to_string(shots.size()) + " poses do not fit on a sheet of " +
+                    std::to_string(width_) + "x" + std::to_string(height_) + "; fewer times or a larger --size will");
+  }
+  Image image(width_, height_);
+  for (std::size_t k = 0; k < shots.size(); ++k) {
+    const auto& [scene_tile, label] = panels[k];
+    image.place(scene(shots[k], scene_tile.width, scene_tile.height), scene_tile.x, scene_tile.y);
+    frame(image, scene_tile);
+    if (label.height == 0) continue;
+    const double room = label.width / font_.width_px(shots[k].label, 1);
+    const double size = std::min(label.height / strip_height, room);
+    if (size < least_text) continue;
+    const double left = label.x + (label.width - font_.width_px(shots[k].label, size)) / 2;
+    font_.draw(image, shots[k].label, size, left, baseline(label.y, label.height, size), ink);
+  }
+  write_caption(image, caption);
+  return image;
+}
+
+// Both ends on one line, in a size at which they do not meet.
+void Studio::write_caption(Image& image, const Caption& caption) const {
+  if (strip_ == 0) return;
+  double size = strip_ / strip_height;
+  const double margin = size;
+  const double gap = caption.left.empty() || caption.right.empty() ? 0 : size;
+  const double wide = font_.width_px(caption.left, size) + font_.width_px(caption.right, size) + gap;
+  size *= std::min(1.0, (width_ - 2 * margin) / wide);
+  const int top = height_ - strip_;
+  for (int x = static_cast<int>(margin); x < width_ - static_cast<int>(margin); ++x) image.mix(x, top, rule, 255);
+  if (size < least_text) return;
+  const int line = baseline(top, strip_, size);
+  font_.draw(image, caption.left, size, margin, line, ink);
+  font_.draw(image, caption.right, size, width_ - margin - font_.width_px(caption.right, size), line, ink);
+}
+
+}  // namespace odeval::render

@@ -1,0 +1,68 @@
+#pragma once
+// Finished pictures of a scenario: poses with captions, alone or many on a sheet.
+#include <optional>
+#include <span>
+#include <string>
+
+#include "render/font.hpp"
+#include "render/painter.hpp"
+#include "render/stage.hpp"
+
+namespace odeval::render {
+
+inline constexpr int least_size = 16;  // pixels, of width and height
+inline constexpr int largest_size = 8192;
+
+/// Text below a picture, at its left and right ends.
+struct Caption {
+  std::string left;
+  std::string right;
+};
+
+struct Shot {
+  Pose pose;
+  std::optional<Pose> outline;  // a second pose, drawn over the first as edges
+  std::string label;            // under the pose on a sheet
+};
+
+/// A shot's places on a sheet, pixels.
+struct Panel {
+  Tile scene;
+  Tile label;  // below it; of no height where there is no room for text
+};
+
+/// Panels as large as they get, row by row; none when they would be smaller than `least_size`.
+std::vector<Panel> sheet_panels(std::size_t shots, int width, int height);
+
+/// Draws pictures of one scenario, all from the same place and of one size.
+class Studio {
+ public:
+  /// Throws MachineError without a font or an OpenGL context. Sizes from `least_size` to `largest_size`.
+  Studio(const Scenario& scenario, const View& view, int width, int height, const std::filesystem::path& font);
+
+  Image picture(const Shot& shot, const Caption& caption);
+
+  /// Throws UserError when there are too many shots for the size.
+  Image sheet(std::span<const Shot> shots, const Caption& caption);
+
+  /// The part of a picture or sheet above the caption.
+  Tile above_caption() const { return {0, 0, width_, height_ - strip_}; }
+
+  /// How a scene of that size is seen.
+  Camera camera(int width, int height) const { return {frame_, view_, stage_.extent(), width, height}; }
+
+ private:
+  Image scene(const Shot& shot, int width, int height);
+  void write_caption(Image& image, const Caption& caption) const;
+
+  Stage stage_;
+  PlanarFrame frame_;
+  View view_;
+  int width_;
+  int height_;
+  int strip_;  // height of the caption's strip
+  Font font_;
+  Painter painter_;
+};
+
+}  // namespace odeval::render
