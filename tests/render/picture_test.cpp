@@ -1,0 +1,433 @@
+// Pictures show links where mathematics says, the right way round, the same every time.
+#include <png.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+
+#include "odeval/error.hpp"
+#include "render/png.hpp"
+#include "render/studio.hpp"
+#include "render/vector.hpp"
+#include "tests/check.hpp"
+#include "tests/scenarios.hpp"
+
+using namespace odeval;
+using namespace odeval::render;
+using odeval::render::operator+;
+using odeval::render::operator-;
+using odeval::render::operator*;
+
+namespace {
+
+const View corner{30, 14, {}};
+const View front{0, 0, {}};
+
+/// Where a link is, from the angles of a trace: written again, so that it does not agree with pose.cpp by being it.
+struct Segment {
+  Vec3 near;
+  Vec3 far;
+  Vec3 across;
+};
+
+std::vector<Segment> segments(const Scenario& scenario, const Trace& trace, std::size_t row) {
+  const PlanarFrame& frame = scenario.problem->frame;
+  std::vector<Segment> all;
+  Vec3 near = frame.hinge_m;
+  double angle = 0;
+  for (std::size_t i = 0; i < scenario.links.size(); ++i) {
+    angle += trace.q[i][row];
+    const double reach = scenario.links[i].length_m;
+    const Vec3 far = near + (reach * std::cos(angle)) * frame.horizontal + (reach * std::sin(angle)) * frame.up;
+    all.push_back({near, far, -std::sin(angle) * frame.horizontal + std::cos(angle) * frame.up});
+    near = far;
+  }
+  return all;
+}
+
+/// A point on the face of a link that looks along the axis; `s` from 0 at the near hinge to 1, `w` in widths aside.
+Vec3 on_face(const Scenario& scenario, const Segment& segment, std::size_t link, double s, double w) {
+  const Link& size = scenario.links[link];
+  return segment.near + s * (segment.far - segment.near) + (w * size.width_m) * segment.across +
+         (0.48 * size.depth_m) * scenario.problem->frame.axis();
+}
+
+/// Blue, orange: whatever the light, a link keeps the order and the distance of its colour's parts.
+bool has_link_colour(const Image& image, const Pixel& at, std::size_t link) {
+  const int x = static_cast<int>(at.x);
+  const int y = static_cast<int>(at.y);
+  if (x < 0 || y < 0 || x >= image.width() || y >= image.height()) return false;
+  const Colour seen = image.at(x, y);
+  return link == 0 ? seen.b > seen.r + 60 && seen.b > seen.g : seen.r > seen.b + 60 && seen.r > seen.g;
+}
+
+long pixels_of_link(const Image& image, std::size_t link) {
+  long count = 0;
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) count += has_link_colour(image, {x + 0.5, y + 0.5, 1}, link);
+  }
+  return count;
+}
+
+Shot shot_of(const Scenario& scenario, const Trace& trace, std::size_t row) {
+  return {pose_at(scenario, trace, row), {}, "label"};
+}
+
+/// The links' axes in the picture, and what lies beside them.
+void check_links(const Scenario& scenario, const Trace& trace, std::size_t row, const Image& scene,
+                 const Camera& camera) {
+  const std::vector<Segment> all = segments(scenario, trace, row);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto pixel = [&](double s, double w) { return camera.project(on_face(scenario, all[i], i, s, w)); };
+    for (const double s : {0.15, 0.3, 0.5, 0.7, 0.85}) CHECK(has_link_colour(scene, pixel(s, 0), i));
+    // The end points: 3 % before the far end is link unless a hinge lies there, 8 % behind it is none.
+    if (i + 1 == all.size()) {
+      CHECK(has_link_colour(scene, pixel(0.97, 0), i));
+      CHECK(!has_link_colour(scene, pixel(1.08, 0), i));
+    }
+    for (const double w : {-1.8, 1.8}) CHECK(!has_link_colour(scene, pixel(0.5, w), i));
+  }
+}
+
+void links_where_mathematics_says() {
+  for (const char* name : {"double_pendulum", "wall_pendulum", "single_pendulum"}) {
+    catalogue::Evaluator evaluator(odeval::test::report_scenario(name, 1.0, 1e-3));
+    const Scenario& scenario = evaluator.scenario();
+    for (const char* method : {"ode-step-double", "lagrange-rk4"}) {
+      const Trace trace = evaluator.evaluate(catalogue::find_method(method)).trace;
+      CHECK_EQUAL(trace.bodies.empty(), method[0] == 'l');
+      for (const auto& [width, height] : {std::pair{400, 300}, {801, 533}, {1500, 1100}}) {  // the last in four tiles
+        for (const View& view : {corner, front}) {
+          Studio studio(scenario, view, width, height, caption_font());
+          const Tile above = studio.above_caption();
+          const Camera camera = studio.camera(above.width, above.height);
+          for (const std::size_t row : {0U, 150U, 400U, 1000U}) {
+            if (width > 1024 && row != 400) continue;
+            const Image image = studio.picture(shot_of(scenario, trace, row), {"left", "right"});
+            CHECK_EQUAL(image.width(), width);
+            CHECK_EQUAL(image.height(), height);
+            check_links(scenario, trace, row, image, camera);
+          }
+        }
+      }
+    }
+  }
+}
+
+/// The camera against facts of the world that are not its own: who looks from the axis' tip sees `horizontal` to the
+/// right and z upwards. The report's double pendulum turns about x, so y points right; the wall's about y, seen from
+/// -y.
+void right_handed() {
+  for (const auto& [frame, right, towards] :
+       {std::tuple{hanging_frame, Vec3{0, 1, 0}, Vec3{1, 0, 0}}, {lying_frame, Vec3{1, 0, 0}, Vec3{0, -1, 0}}}) {
+    const std::array points{frame.hinge_m + right, frame.hinge_m - right, frame.hinge_m + Vec3{0, 0, 1},
+                            frame.hinge_m - Vec3{0, 0, 1}};
+    const Camera camera(frame, front, points, 400, 300);
+    const Pixel hinge = camera.project(frame.hinge_m);
+    CHECK_NEAR(hinge.x, 200, 1e-9);
+    CHECK_NEAR(hinge.y, 150, 1e-9);
+    CHECK(camera.project(frame.hinge_m + right).x > hinge.x + 50);
+    CHECK(camera.project(frame.hinge_m + Vec3{0, 0, 1}).y < hinge.y - 50);
+    CHECK(camera.project(frame.hinge_m + towards).depth_m < hinge.depth_m - 0.9);
+    for (const Vec3& point : points) {
+      const Pixel at = camera.project(point);
+      CHECK(at.x > 0 && at.x < 400 && at.y > 0 && at.y < 300);
+    }
+    const Camera near(frame, {0, 0, 7.0}, points, 400, 300);
+    CHECK_NEAR(near.project(frame.hinge_m).depth_m, 7, 1e-12);
+    const Camera from_right(frame, {90, 0, {}}, points, 400, 300);
+    CHECK(from_right.project(frame.hinge_m + right).depth_m < from_right.project(frame.hinge_m).depth_m);
+    const Camera from_above(frame, {0, 80, {}}, points, 400, 300);
+    CHECK(from_above.project(frame.hinge_m + Vec3{0, 0, 1}).depth_m < from_above.project(frame.hinge_m).depth_m);
+  }
+
+  // And in pixels: a link at 45 degrees lies to the right of its hinge and above, as many pixels as its area.
+  for (const char* name : {"single_pendulum", "wall_pendulum"}) {
+    Scenario scenario = odeval::test::report_scenario(name, 0.01, 1e-3);
+    scenario.q0 = {0.785};
+    catalogue::Evaluator evaluator(scenario);
+    const Trace trace = evaluator.evaluate(catalogue::find_method("ode-step-double")).trace;
+    Studio studio(scenario, front, 400, 300, caption_font());
+    const Image image = studio.picture(shot_of(scenario, trace, 0), {});
+    const Tile above = studio.above_caption();
+    const Camera camera = studio.camera(above.width, above.height);
+    const Pixel hinge = camera.project(scenario.problem->frame.hinge_m);
+    double x = 0;
+    double y = 0;
+    double count = 0;
+    for (int row = 0; row < above.height; ++row) {
+      for (int column = 0; column < above.width; ++column) {
+        if (!has_link_colour(image, {column + 0.5, row + 0.5, 1}, 0)) continue;
+        x += column + 0.5;
+        y += row + 0.5;
+        ++count;
+      }
+    }
+    const double metre = 1 / camera.pixel_m(scenario.problem->frame.hinge_m);
+    CHECK_BETWEEN(count / (0.1 * metre * metre), 0.8, 1.15);  // 1 x 0.1 m, less edges and hinge, a little nearer
+    CHECK_NEAR((x / count - hinge.x) / metre, 0.354, 0.03);   // the middle of the link
+    CHECK_NEAR((y / count - hinge.y) / metre, -0.354, 0.03);
+  }
+}
+
+/// Of two links in line of sight the nearer is seen.
+void nearer_hides_farther() {
+  Scenario scenario = odeval::test::report_scenario("double_pendulum", 0.01, 1e-3);
+  const Vec3 hinge = scenario.problem->frame.hinge_m;
+  const Vec3 axis = scenario.problem->frame.axis();
+  const LinkPose middle{hinge, {0, 0, -1}, {0, 1, 0}, axis};
+  Studio studio(scenario, front, 400, 300, caption_font());
+  for (const double side : {-1.0, 1.0}) {
+    Pose pose{middle, middle};
+    pose[1].centre_m = hinge + (0.5 * side) * axis + Vec3{0, 0, 0.2};
+    const Image image = studio.picture({pose, {}, ""}, {});
+    const Tile above = studio.above_caption();
+    const Pixel at = studio.camera(above.width, above.height).project(pose[1].centre_m + Vec3{0, 0, -0.1});
+    CHECK(has_link_colour(image, at, side > 0 ? 1 : 0));
+  }
+}
+
+/// A run that blew up leaves poses no picture can show.
+void hopeless_poses_are_left_out() {
+  Scenario scenario = odeval::test::report_scenario("double_pendulum", 0.01, 1e-3);
+  Studio studio(scenario, corner, 200, 150, caption_font());
+  const LinkPose good{scenario.problem->frame.hinge_m, {0, 0, -1}, {0, 1, 0}, {1, 0, 0}};
+  for (const double far : {1e9, 1e150, HUGE_VAL, std::nan("")}) {
+    Pose pose{good, good};
+    pose[1].centre_m = {far, 0, 0};
+    const Image image = studio.picture({pose, pose, ""}, {});
+    CHECK(pixels_of_link(image, 0) > 20);
+    CHECK_EQUAL(pixels_of_link(image, 1), 0L);
+  }
+}
+
+void same_bytes() {
+  catalogue::Evaluator evaluator(odeval::test::report_scenario("wall_pendulum", 0.5, 1e-3));
+  const Scenario& scenario = evaluator.scenario();
+  const Trace trace = evaluator.evaluate(catalogue::find_method("ode-step-double")).trace;
+  const PngTexts texts{{"scenario", "wall_pendulum"}};
+  const auto bytes = [&](Studio& studio, std::size_t row) {
+    return png(studio.picture(shot_of(scenario, trace, row), {"a", "b"}), texts);
+  };
+  Studio studio(scenario, corner, 400, 300, caption_font());
+  const std::string first = bytes(studio, 300);
+  const std::string other = bytes(studio, 0);
+  CHECK(first != other);
+  CHECK(bytes(studio, 300) == first);
+  Studio again(scenario, corner, 400, 300, caption_font());
+  CHECK(bytes(again, 300) == first);
+}
+
+/// Chunks of a PNG file, in order.
+std::vector<std::pair<std::string, std::string>> chunks(const std::string& file) {
+  std::vector<std::pair<std::string, std::string>> all;
+  for (std::size_t at = 8; at + 12 <= file.size();) {
+    std::size_t length = 0;
+    for (std::size_t k = 0; k < 4; ++k) length = length << 8 | static_cast<unsigned char>(file[at + k]);
+    all.emplace_back(file.substr(at + 4, 4), file.substr(at + 8, length));
+    at += 12 + length;
+  }
+  return all;
+}
+
+std::vector<std::uint8_t> decoded(const std::string& file, int width, int height) {
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  CHECK(png_image_begin_read_from_memory(&header, file.data(), file.size()) != 0);
+  CHECK_EQUAL(static_cast<int>(header.width), width);
+  CHECK_EQUAL(static_cast<int>(header.height), height);
+  header.format = PNG_FORMAT_RGB;
+  std::vector<std::uint8_t> bytes(PNG_IMAGE_SIZE(header));
+  CHECK(png_image_finish_read(&header, nullptr, bytes.data(), 0, nullptr) != 0);
+  return bytes;
+}
+
+void files_hold_picture_and_texts() {
+  Image image(31, 17);
+  for (int y = 0; y < 17; ++y) {
+    for (int x = 0; x < 31; ++x)
+      image.mix(x, y, {static_cast<std::uint8_t>(8 * x), static_cast<std::uint8_t>(y), 7}, 255);
+  }
+  const std::string file = png(image, {{"scenario", "chain"}, {"method", "a-b"}, {"t", "0.500"}, {"note", "\u00e9"}});
+  const std::vector<std::uint8_t> bytes = decoded(file, 31, 17);
+  CHECK(std::equal(bytes.begin(), bytes.end(), image.pixel(0, 0)));
+  std::vector<std::string> texts;
+  for (const auto& [name, data] : chunks(file)) {
+    if (name == "tEXt") texts.push_back(data);
+    CHECK(name != "tIME");  // same bytes whatever the clock says
+  }
+  using namespace std::string_literals;
+  CHECK(texts == std::vector({"scenario\0chain"s, "method\0a-b"s, "t\0000.500"s}));
+  CHECK(file.find("iTXt") != std::string::npos);
+}
+
+std::uint32_t number(const std::string& data, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t k = 0; k < 4; ++k) value = value << 8 | static_cast<unsigned char>(data[at + k]);
+  return value;
+}
+
+void film_is_a_whole_apng() {
+  Film film(25, {{"t", "0..1"}});
+  Image frame(40, 30);
+  const Image first = frame;
+  film.add(frame);
+  frame.mix(10, 20, {0, 0, 0}, 255);
+  frame.mix(13, 22, {0, 0, 0}, 255);
+  film.add(frame);
+  film.add(frame);
+  const std::string file = film.finish();
+  const std::vector<std::uint8_t> bytes = decoded(file, 40, 30);  // libpng checks every CRC on the way
+  CHECK(std::equal(bytes.begin(), bytes.end(), first.pixel(0, 0)));
+
+  std::string order;
+  std::uint32_t sequence = 0;
+  std::vector<std::array<std::uint32_t, 4>> rectangles;
+  for (const auto& [name, data] : chunks(file)) {
+    order += name + " ";
+    if (name == "acTL") CHECK_EQUAL(number(data, 0), 3U);
+    if (name == "fcTL" || name == "fdAT") CHECK_EQUAL(number(data, 0), sequence++);
+    if (name != "fcTL") continue;
+    rectangles.push_back({number(data, 4), number(data, 8), number(data, 12), number(data, 16)});
+    CHECK_EQUAL(number(data, 20), (1U << 16) + 25U);  // 1/25 s
+  }
+  CHECK_EQUAL(order, std::string("IHDR tEXt acTL fcTL IDAT fcTL fdAT fcTL fdAT IEND "));
+  CHECK((rectangles[0] == std::array<std::uint32_t, 4>{40, 30, 0, 0}));
+  CHECK((rectangles[1] == std::array<std::uint32_t, 4>{4, 3, 10, 20}));
+  CHECK((rectangles[2] == std::array<std::uint32_t, 4>{1, 1, 0, 0}));
+}
+
+bool apart(const Tile& a, const Tile& b) {
+  return a.x + a.width <= b.x || b.x + b.width <= a.x || a.y + a.height <= b.y || b.y + b.height <= a.y;
+}
+
+void sheets() {
+  for (const auto& [shots, width, height] :
+       {std::tuple{1U, 800, 600}, {5U, 800, 600}, {5U, 1920, 300}, {24U, 400, 300}}) {
+    const std::vector<Panel> panels = sheet_panels(shots, width, height);
+    CHECK_EQUAL(panels.size(), shots);
+    std::vector<Tile> tiles;
+    for (const Panel& panel : panels) {
+      tiles.push_back(panel.scene);
+      tiles.push_back(panel.label);
+    }
+    for (std::size_t i = 0; i < tiles.size(); ++i) {
+      const Tile& t = tiles[i];
+      CHECK(t.x >= 0 && t.y >= 0 && t.width > 0 && t.x + t.width <= width && t.y + t.height <= height);
+      for (std::size_t j = 0; j < i; ++j) CHECK(apart(tiles[j], t));
+    }
+  }
+  CHECK(sheet_panels(5, 1920, 300).back().scene.y == sheet_panels(5, 1920, 300).front().scene.y);  // one row
+  CHECK(sheet_panels(1000, 100, 100).empty());
+
+  catalogue::Evaluator evaluator(odeval::test::report_scenario("wall_pendulum", 1.0, 1e-3));
+  const Scenario& scenario = evaluator.scenario();
+  const Trace trace = evaluator.evaluate(catalogue::find_method("ode-step-double")).trace;
+  Studio studio(scenario, corner, 800, 600, caption_font());
+  const std::vector<std::size_t> rows{0, 250, 500, 750, 1000};
+  std::vector<Shot> shots;
+  for (const std::size_t row : rows) shots.push_back(shot_of(scenario, trace, row));
+  const Image sheet = studio.sheet(shots, {"left", "right"});
+  const Tile above = studio.above_caption();
+  const std::vector<Panel> panels = sheet_panels(rows.size(), above.width, above.height);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const Tile& tile = panels[k].scene;
+    Image part(tile.width, tile.height);
+    for (int y = 0; y < tile.height; ++y) {
+      for (int x = 0; x < tile.width; ++x) part.mix(x, y, sheet.at(tile.x + x, tile.y + y), 255);
+    }
+    check_links(scenario, trace, rows[k], part, studio.camera(tile.width, tile.height));
+    long dark = 0;  // a label is there
+    for (int y = 0; y < panels[k].label.height; ++y) {
+      for (int x = 0; x < tile.width; ++x) dark += sheet.at(panels[k].label.x + x, panels[k].label.y + y).r < 128;
+    }
+    CHECK(dark > 20);
+  }
+  const std::vector<Shot> many(5000, shots.front());
+  CHECK_THROWS(studio.sheet(many, {}), UserError, "--times: 5000");
+}
+
+/// Along the edges of the boxes of a pose, how many of the points are dark in the picture.
+double dark_along_edges(const Scenario& scenario, const Pose& pose, const Image& image, const Camera& camera) {
+  long dark = 0;
+  long all = 0;
+  for (std::size_t i = 0; i < pose.size(); ++i) {
+    const Link& link = scenario.links[i];
+    for (const double across : {-0.5, 0.5}) {
+      for (int k = 5; k <= 95; ++k) {
+        const Vec3 point = pose[i].centre_m + ((k / 100.0 - 0.5) * link.length_m) * pose[i].along +
+                           (across * link.width_m) * pose[i].across +
+                           (0.5 * link.depth_m) * scenario.problem->frame.axis();
+        const Pixel at = camera.project(point);
+        const Colour seen = image.at(static_cast<int>(at.x), static_cast<int>(at.y));
+        dark += seen.r < 75 && seen.g < 75 && seen.b < 75;
+        ++all;
+      }
+    }
+  }
+  return static_cast<double>(dark) / static_cast<double>(all);
+}
+
+void overlay_lies_on_the_reference() {
+  catalogue::Evaluator evaluator(odeval::test::report_scenario("double_pendulum", 4.0, 1e-3));
+  const Scenario& scenario = evaluator.scenario();
+  const Trace truth = evaluator.evaluate(catalogue::find_method(catalogue::reference_method)).trace;
+  const Trace euler = evaluator.evaluate(catalogue::find_method("lagrange-euler")).trace;
+  Studio studio(scenario, corner, 800, 600, caption_font());
+  const Tile above = studio.above_caption();
+  const Camera camera = studio.camera(above.width, above.height);
+  const auto outlined = [&](const Trace& trace, std::size_t row) {
+    Shot shot = shot_of(scenario, trace, row);
+    shot.outline = pose_at(scenario, evaluator.reference().trace, row);
+    return studio.picture(shot, {});
+  };
+
+  // On itself: nothing changes but the lines along edges, so the links' colours shrink by a little only.
+  const Pose pose = pose_at(scenario, truth, 700);
+  const Image plain = studio.picture({pose, {}, ""}, {});
+  const Image both = outlined(truth, 700);
+  CHECK(plain != both);
+  CHECK_BETWEEN(dark_along_edges(scenario, pose, both, camera), 0.85, 1.0);
+  CHECK_BETWEEN(dark_along_edges(scenario, pose, plain, camera), 0.0, 0.75);
+  const Image same_pose = studio.picture({pose, pose, ""}, {});
+  CHECK(same_pose == both);
+
+  // On a method that is off, the outline stays with the reference.
+  const std::size_t row = 4000;
+  CHECK_BETWEEN(std::fabs(euler.error_q[1][row]), 0.05, 100.0);
+  const Image off = outlined(euler, row);
+  CHECK_BETWEEN(dark_along_edges(scenario, pose_at(scenario, truth, row), off, camera), 0.85, 1.0);
+  check_links(scenario, euler, 0, outlined(euler, 0), camera);
+}
+
+void captions() {
+  Scenario scenario = odeval::test::report_scenario("single_pendulum", 0.01, 1e-3);
+  const Pose pose{{scenario.problem->frame.hinge_m, {0, 0, -1}, {0, 1, 0}, {1, 0, 0}}};
+  for (const auto& [width, height] : {std::pair{16, 16}, {16, 300}, {300, 16}, {400, 300}}) {
+    Studio studio(scenario, corner, width, height, caption_font());
+    const std::string long_text(300, 'm');
+    CHECK(studio.picture({pose, {}, ""}, {long_text, "t"}) == studio.picture({pose, {}, ""}, {long_text, "t"}));
+    const Image image = studio.picture({pose, {}, ""}, {"", ""});
+    CHECK(pixels_of_link(image, 0) > 0);
+    const bool room = width > 100 && studio.above_caption().height < height;  // for text one can read
+    CHECK_EQUAL(image == studio.picture({pose, {}, ""}, {"m", "t"}), !room);
+  }
+  CHECK_THROWS(Font("no/such/font.ttf"), MachineError, "fonts-dejavu-core");
+}
+
+}  // namespace
+
+int main() {
+  right_handed();
+  links_where_mathematics_says();
+  nearer_hides_farther();
+  hopeless_poses_are_left_out();
+  same_bytes();
+  files_hold_picture_and_texts();
+  film_is_a_whole_apng();
+  sheets();
+  overlay_lies_on_the_reference();
+  captions();
+  return odeval::test::verdict();
+}
