@@ -251,10 +251,7 @@ int snapshot(const Options& options) {
 Action attach_snapshot(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   app.add_option("SCENARIO", options->scenario, "a name ('odeval list') or a .toml file")->required();
-  app.add_option("--method", options->methods, "one or several, with commas; default: the scenario's own list")
-      ->type_name("M[,M...]")
-      ->delimiter(',')
-      ->allow_extra_args(false);
+  add_method_option(app, options->methods);
   app.add_option("--times", options->times, "a picture at each, in s, from the nearest sample of the run")
       ->type_name("T1[,T2...]");
   app.add_option("--size", options->size, "pixels of a picture or sheet, 16x16 to 8192x8192")
@@ -267,7 +264,7 @@ Action attach_snapshot(CLI::App& app) {
   app.add_flag("--sheet", options->sheet, "all times on one picture");
   app.add_flag("--overlay", options->overlay, "the reference's pose as an outline over the method's");
   app.add_flag("--film", options->film, "the whole run as an animated PNG at real-time speed");
-  app.add_option("--out", options->out, "folder of the results")->type_name("DIR")->capture_default_str();
+  add_out_option(app, options->out);
   app.add_flag("--quiet", options->quiet, "no list of files, no progress");
   options->settings.attach(app);
   return [options] { return snapshot(*options); };

@@ -1,127 +1,21 @@
 #include "render/painter.hpp"
 
-#define GL_GLEXT_PROTOTYPES
-#include <GL/gl.h>
-#include <GL/glext.h>
+#include <dlfcn.h>
 
-#include <algorithm>
 #include <string>
 
 #include "odeval/error.hpp"
 
 namespace odeval::render {
-namespace {
 
-constexpr int samples = 3;          // in each direction of a pixel
-constexpr int longest_tile = 1024;  // pixels of the finished picture
-
-/// Length of the equal parts, none longer than a tile.
-int part(int length) {
-  const int parts = (length + longest_tile - 1) / longest_tile;
-  return (length + parts - 1) / parts;
-}
-
-/// Counts passes in the stencil buffer, so that it has to be cleared only every 255 of them.
-class StencilPasses {
- public:
-  int next() {
-    if (++pass_ > 255) {
-      glClear(GL_STENCIL_BUFFER_BIT);
-      pass_ = 1;
-    }
-    return pass_;
-  }
-
- private:
-  int pass_ = 0;
-};
-
-void enable(GLenum what, bool on) { on ? glEnable(what) : glDisable(what); }
-
-void paint_layer(const Layer& layer, StencilPasses& passes) {
-  if (layer.triangles.empty()) return;
-  enable(GL_DEPTH_TEST, layer.rule == Layer::Rule::solid);
-  enable(GL_STENCIL_TEST, layer.rule == Layer::Rule::shade);
-  if (layer.rule == Layer::Rule::shade) {
-    glStencilFunc(GL_NOTEQUAL, passes.next(), 0xff);
-    glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
-    glBlendEquation(GL_FUNC_REVERSE_SUBTRACT);  // whole steps of colour: many faint layers must not add up roundings
-    glBlendFunc(GL_ONE, GL_ONE);
-  } else {
-    glBlendEquation(GL_FUNC_ADD);
-    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-  }
-  for (std::size_t k = 0; k < 6; ++k) {
-    const GLenum plane = GL_CLIP_PLANE0 + static_cast<GLenum>(k);
-    enable(plane, k < layer.within.size());
-    if (k >= layer.within.size()) continue;
-    const HalfSpace& half = layer.within[k];
-    const GLdouble equation[] = {half.normal[0], half.normal[1], half.normal[2], -half.offset};
-    glClipPlane(plane, equation);
-  }
-  glVertexPointer(3, GL_FLOAT, sizeof(Vertex), &layer.triangles.front().x);
-  glColorPointer(4, GL_UNSIGNED_BYTE, sizeof(Vertex), &layer.triangles.front().colour);
-  glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(layer.triangles.size()));
-}
-
-/// Means of samples x samples; OpenGL's rows start at the bottom.
-void shrink(const std::vector<std::uint8_t>& from, const Tile& tile, Image& to) {
-  const std::size_t stride = 4 * static_cast<std::size_t>(samples) * static_cast<std::size_t>(tile.width);
-  std::vector<int> sums(3 * static_cast<std::size_t>(tile.width));
-  for (int y = 0; y < tile.height; ++y) {
-    std::ranges::fill(sums, 0);
-    for (int k = 0; k < samples; ++k) {
-      const std::uint8_t* in = from.data() + static_cast<std::size_t>((tile.height - 1 - y) * samples + k) * stride;
-      for (std::size_t x = 0; x < sums.size(); x += 3) {
-        for (int j = 0; j < samples; ++j, in += 4) {
-          sums[x] += in[0];
-          sums[x + 1] += in[1];
-          sums[x + 2] += in[2];
-        }
-      }
-    }
-    std::uint8_t* out = to.pixel(tile.x, tile.y + y);
-    constexpr int all = samples * samples;
-    for (const int sum : sums) *out++ = static_cast<std::uint8_t>((sum + all / 2) / all);
-  }
-}
-
-}  // namespace
-
-Painter::Painter(int width, int height)
-    : context_(samples * std::min(width, longest_tile), samples * std::min(height, longest_tile)) {
-  read_back_.resize(4 * static_cast<std::size_t>(context_.width()) * static_cast<std::size_t>(context_.height()));
-  glDisable(GL_DITHER);
-  glDisable(GL_LIGHTING);
-  glEnable(GL_BLEND);
-  glDepthFunc(GL_LEQUAL);
-  glClearColor(1, 1, 1, 1);
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glEnableClientState(GL_VERTEX_ARRAY);
-  glEnableClientState(GL_COLOR_ARRAY);
-}
-
-Image Painter::paint(std::span<const Layer> layers, const Camera& camera) {
-  Image image(camera.width(), camera.height());
-  const int across = part(camera.width());
-  const int down = part(camera.height());
-  for (int y = 0; y < image.height(); y += down) {
-    for (int x = 0; x < image.width(); x += across) {
-      const Tile tile{x, y, std::min(across, image.width() - x), std::min(down, image.height() - y)};
-      glViewport(0, 0, samples * tile.width, samples * tile.height);
-      glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
-      glMatrixMode(GL_PROJECTION);
-      glLoadMatrixf(camera.clip_matrix(tile).data());
-      StencilPasses passes;
-      for (const Layer& layer : layers) paint_layer(layer, passes);
-      glReadPixels(0, 0, samples * tile.width, samples * tile.height, GL_RGBA, GL_UNSIGNED_BYTE, read_back_.data());
-      if (const GLenum error = glGetError(); error != GL_NO_ERROR) {
-        throw MachineError("OpenGL error " + std::to_string(error) + " while painting");
-      }
-      shrink(read_back_, tile, image);
-    }
-  }
-  return image;
+// The module stays loaded: the painters it made are its own code.
+std::unique_ptr<Painter> open_painter(int width, int height) {
+  void* const module = dlopen(ODEVAL_PAINTER, RTLD_NOW | RTLD_LOCAL);
+  if (module == nullptr) throw MachineError(std::string("pictures: ") + dlerror());
+  using Make = Painter* (*)(int, int);
+  const auto make = reinterpret_cast<Make>(dlsym(module, "odeval_make_painter"));
+  if (make == nullptr) throw MachineError(std::string("pictures: ") + dlerror());
+  return std::unique_ptr<Painter>(make(width, height));
 }
 
 }  // namespace odeval::render

@@ -74,11 +74,11 @@ Studio::Studio(const Scenario& scenario, const View& view, int width, int height
       height_(height),
       strip_(strip_of(text_size(width, height), height)),
       font_(font),
-      painter_(width, height) {}
+      painter_(open_painter(width, height)) {}
 
 Image Studio::scene(const Shot& shot, int width, int height) {
   const Camera camera = this->camera(width, height);
-  return painter_.paint(stage_.layers(camera, shot.pose, shot.outline ? &*shot.outline : nullptr), camera);
+  return painter_->paint(stage_.layers(camera, shot.pose, shot.outline ? &*shot.outline : nullptr), camera);
 }
 
 Image Studio::picture(const Shot& shot, const Caption& caption) {

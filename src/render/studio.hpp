@@ -1,5 +1,6 @@
 #pragma once
 // Finished pictures of a scenario: poses with captions, alone or many on a sheet.
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -62,7 +63,7 @@ class Studio {
   int height_;
   int strip_;  // height of the caption's strip
   Font font_;
-  Painter painter_;
+  std::unique_ptr<Painter> painter_;
 };
 
 }  // namespace odeval::render
