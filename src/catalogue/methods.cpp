@@ -74,20 +74,15 @@ std::vector<std::string> method_names() {
   return names;
 }
 
-std::string why_missing(const Method& method) {
-  return "method '" + std::string(method.name) +
-         "' is not in this build, which has no single-precision ODE; scripts/build-ode-single makes one, then "
-         "configure "
-         "again";
-}
-
 const Method& find_method(std::string_view name) {
   const auto* found = std::ranges::find(table, name, &Method::name);
   if (found == table.end()) {
     throw UserError("--method: no method named '" + std::string(name) + "'" + nearest_hint(name, method_names()) +
                     "; 'odeval list' shows all");
   }
-  if (found->make == nullptr) throw UserError("--method: " + why_missing(*found));
+  if (found->make == nullptr) {
+    throw UserError("--method: method '" + std::string(name) + "' is left out: " + std::string(why_missing));
+  }
   return *found;
 }
 

@@ -32,8 +32,9 @@ const Method& find_method(std::string_view name);
 /// Throws UserError when the method does not do the problem. `origin` is where the method was named.
 void require_claim(const Method& method, const Problem& problem, const std::string& origin);
 
-/// Why a method with `make == nullptr` is missing, in one line.
-std::string why_missing(const Method& method);
+/// Why a method has no `make`.
+inline constexpr std::string_view why_missing =
+    "this build has no single-precision ODE; scripts/build-ode-single makes one, then configure again";
 
 std::vector<std::string> method_names();
 

@@ -99,15 +99,17 @@ std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::stri
   }
   if (!asked.empty()) return chosen;
 
+  std::string missing;
   for (const catalogue::Method& method : catalogue::methods()) {
     if (std::ranges::find(scenario.methods, method.name) == scenario.methods.end()) continue;
-    if (method.make == nullptr) {
-      std::cerr << "odeval: left out: " << catalogue::why_missing(method) << '\n';
-    } else {
-      catalogue::require_claim(method, *scenario.problem, scenario.file + ": methods");
+    catalogue::require_claim(method, *scenario.problem, scenario.file + ": methods");
+    if (method.make != nullptr) {
       chosen.push_back(&method);
+    } else {
+      missing += (missing.empty() ? "" : ", ") + std::string(method.name);
     }
   }
+  if (!missing.empty()) std::cerr << "odeval: left out: " << missing << "; " << catalogue::why_missing << '\n';
   if (chosen.empty()) throw UserError(scenario.file + ": methods: names none to run; give --method M[,M...]");
   return chosen;
 }
