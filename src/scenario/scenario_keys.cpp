@@ -55,7 +55,7 @@ constexpr KeyRow rows[] = {
       [](S& s, const V& v) { s.q0 = v.numbers; }},
   {"", "qd0",      numbers, "rad/s", -1e3, 1e3,  false, nullptr, "", "rates at t = 0",
       [](S& s, const V& v) { s.qd0 = v.numbers; }},
-  {"", "rtol",     number,  "",      1e-14, 0.1, false, nullptr, "the method's own", "relative tolerance of adaptive methods",
+  {"", "rtol",     number,  "",      1e-15, 0.1, false, nullptr, "the method's own", "relative tolerance of adaptive methods",
       [](S& s, const V& v) { s.rtol = v.number; }},
   {"", "atol",     number,  "",      1e-20, 0.1, false, nullptr, "the method's own", "absolute tolerance of adaptive methods",
       [](S& s, const V& v) { s.atol = v.number; }},

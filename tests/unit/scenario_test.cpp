@@ -242,7 +242,7 @@ void wrong_values_are_refused() {
   refuses("gravity = [9.81]", "gravity = [9.81]: must be a number");
   refuses("step = 0", "step = 0: must be a number from 1e-07 to 1 s");
   refuses("step = 1.5", "step = 1.5: must be a number from 1e-07 to 1 s");
-  refuses("rtol = 1e-15", "rtol = 1e-15: must be a number from 1e-14 to 0.1");
+  refuses("rtol = 1e-16", "rtol = 1e-16: must be a number from 1e-15 to 0.1");
   refuses("atol = 1", "atol = 1: must be a number from 1e-20 to 0.1");
   refuses("methods = [\"ode-stp-double\"]", "methods.0 = 'ode-stp-double': is not known (nearest: 'ode-step-double')");
   refuses("methods = \"analytic\"", "methods = 'analytic': must be a list");
