@@ -15,7 +15,7 @@ class CvodeSimulation final : public Simulation {
   CvodeSimulation(const Scenario& scenario, const SampleGrid& grid)
       : grid_(grid),
         motion_(scenario,
-                {scenario.rtol.value_or(tight_tolerances.rtol), scenario.atol.value_or(tight_tolerances.atol)}) {}
+                {scenario.rtol.value_or(tight_tolerances.rtol), scenario.atol.value_or(tight_tolerances.atol), true}) {}
 
   Outcome run(Rows* rows) override {
     const double last = grid_.time(grid_.rows - 1);

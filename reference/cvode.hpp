@@ -8,8 +8,8 @@
 
 namespace odeval::reference {
 
-/// Of the reference, and of the method where the scenario gives none. Measured on 40 random chains over 10 s: each
-/// factor of ten takes about eight off the error, down to 1e-15, where rounding takes over and steps begin to fail.
+/// Of the reference, and of the method where the scenario gives none. Not far above the rounding of a double, below
+/// which CVODE refuses to go (reference_test.cpp, check_errors).
 inline constexpr Tolerances tight_tolerances{3e-15, 3e-16};
 
 /// Rows are (q, qd). With a wall, impacts are located and recorded with depth 0.

@@ -8,10 +8,8 @@
 //   tolerances, are parabolas. Slower than `rest_speed_rad_s` the link is at rest, for ever.
 // - Weight away from the wall and the link barely moving: it only grazes the wall, and swings on.
 #include <algorithm>
-#include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -120,10 +118,10 @@ class CvodeMotion {
     Stop stop;
   };
 
-  static constexpr double contact_rad = 1e-12;  // a link that starts this near the wall starts at it
-  static constexpr double no_pull = 1e-12;      // rad/s^2; weaker than this, nothing takes a link off the wall
-  // Bounces that go on for ever (e = 1) a hair above the wall end here, as rest of a height that is known.
-  static constexpr std::size_t most_impacts = 1000000;
+  // A link that starts this near the wall starts at it: about what the solver loses of the angle in a swing, so that it
+  // could not tell whether the link touches when it comes back.
+  static constexpr double contact_rad = 1e-12;
+  static constexpr double no_pull = 1e-12;  // rad/s^2; weaker than this, nothing takes a link off the wall
 
   void evaluate(const double* y, double* dydt) {
     State state, slope;
@@ -191,29 +189,22 @@ class CvodeMotion {
     double from = begin_;
     double to = end_;
     if (rate_begin < 0 && rate_end > 0) {
-      to = root(rate, from, to);
+      to = root(rate, from, to, rate_begin, rate_end);
       turn_height_ = height(to);
     } else if (rate_begin > 0 && rate_end < 0) {
-      from = root(rate, from, to);
+      from = root(rate, from, to, rate_begin, rate_end);
     } else if (rate_end > 0) {
       return std::nullopt;
     }
-    if (height(to) >= 0) return std::nullopt;
-    const double t = height(from) > 0 ? root(height, from, to) : from;
+    const double height_from = height(from);
+    const double height_to = height(to);
+    if (height_to >= 0) return std::nullopt;
+    const double t = height_from > 0 ? root(height, from, to, height_from, height_to) : from;
     const double speed = std::fmax(-rate(t), 0.0);
     // A link comes back to a stop as fast as it left it, which is known better than a small speed can be integrated.
     const double known = left_stop_ == stop.angle ? left_speed_ : speed;
     if (known < graze_speed_rad_s && stop.away * acceleration(stop.angle) > no_pull) return std::nullopt;
     return Touch{t, speed, stop};
-  }
-
-  /// Where f, of different signs at the ends, is 0.
-  template <class Function>
-  static double root(const Function& f, double from, double to) {
-    std::uintmax_t tries = 100;
-    const auto bracket =
-        boost::math::tools::toms748_solve(f, from, to, boost::math::tools::eps_tolerance<double>(52), tries);
-    return bracket.first + (bracket.second - bracket.first) / 2;
   }
 
   void strike(const Touch& touch) {
@@ -239,6 +230,7 @@ class CvodeMotion {
     const double stiffness = std::fabs(acceleration(0.0));
     const double height =
         speed == 0 ? 0 : std::fmin(speed * speed / (2 * std::fabs(pull)), speed / std::sqrt(stiffness));
+    // Past the cap WallBounce gives up; a reference owes every sample a value, so the link rests, at a known height.
     if ((speed < rest_speed_rad_s && std::isfinite(height)) || impacts_.size() >= most_impacts) {
       next_ = Phase::rest;
       at_rest_from_ = t;

@@ -56,7 +56,7 @@ CvodeSolver::CvodeSolver(std::size_t size, RightSide right_side, Tolerances tole
 void CvodeSolver::start(double t, const double* y) {
   std::copy_n(y, size_, N_VGetArrayPointer(y_.get()));
   check(CVodeReInit(cvode_.get(), t, y_.get()), "CVodeReInit");
-  begin_ = end_ = t;
+  end_ = t;
 }
 
 void CvodeSolver::step() {
@@ -65,7 +65,6 @@ void CvodeSolver::step() {
   const double target = end_ + std::max(duration_s_, 1e-3);
   const int flag = CVode(cvode_.get(), target, y_.get(), &reached, CV_ONE_STEP);
   if (flag < 0) give_up(flag);
-  begin_ = end_;
   end_ = reached;
   ++steps_;
 }
@@ -96,15 +95,15 @@ void CvodeSolver::keep_message(int, const char*, const char*, char* message, voi
 
 void CvodeSolver::check(int flag, const char* call) const {
   if (flag >= 0) return;
-  throw MachineError("reference for '" + scenario_ + "': " + call + " failed with " + flag_name(flag) + ": " +
-                     message_);
+  throw MachineError("CVODE for '" + scenario_ + "': " + call + " failed with " + flag_name(flag) + ": " + message_);
 }
 
 void CvodeSolver::give_up(int flag) const {
   std::ostringstream text;
   text.precision(4);
-  text << "reference for '" << scenario_ << "' stopped at t = " << end_ << " of " << duration_s_ << " s: CVODE "
-       << flag_name(flag) << " (" << flag << ") at rtol " << tolerances_.rtol << "; try rtol " << 10 * tolerances_.rtol;
+  text << "CVODE for '" << scenario_ << "' stopped at t = " << end_ << " of " << duration_s_
+       << " s: " << flag_name(flag) << " (" << flag << ") at rtol " << tolerances_.rtol;
+  if (tolerances_.settable) text << "; try rtol " << 10 * tolerances_.rtol;
   throw MachineError(text.str());
 }
 

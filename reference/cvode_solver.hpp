@@ -15,9 +15,10 @@ namespace odeval::reference {
 struct Tolerances {
   double rtol;
   double atol;
+  bool settable = false;  // by the scenario, so that a failure can be answered with another rtol
 };
 
-/// Integrates y' = f(y). After `start`, every `step` moves [begin(), end()] on by one of CVODE's own steps.
+/// Integrates y' = f(y). After `start`, every `step` moves end() on by one of CVODE's own steps.
 /// All failures are MachineErrors; nothing is printed.
 class CvodeSolver {
  public:
@@ -30,11 +31,10 @@ class CvodeSolver {
   void start(double t, const double* y);
   void step();
 
-  double begin() const { return begin_; }
   double end() const { return end_; }
   /// The state at end(), until the next step.
   const double* state() const { return N_VGetArrayPointer(y_.get()); }
-  /// The state at a time of the last step, begin() <= t <= end(), from the formula's own polynomial.
+  /// The state at a time of the last step, from the formula's own polynomial.
   void interpolate(double t, double* y) const;
 
   static std::string version();
@@ -68,7 +68,6 @@ class CvodeSolver {
   std::string scenario_;
   double duration_s_;
   std::string message_;  // CVODE's own words, kept for ours
-  double begin_ = 0;
   double end_ = 0;
   long steps_ = 0;
   long evaluations_ = 0;

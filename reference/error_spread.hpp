@@ -52,6 +52,13 @@ class Ellipsoid {
     for (std::size_t i = 0; i < Size; ++i) q_[i][i] += error[i] * error[i];
   }
 
+  /// Adds one error that owes nothing to those before, and whose components go together.
+  void add_together(const Vector<Size>& error) {
+    for (std::size_t i = 0; i < Size; ++i) {
+      for (std::size_t j = 0; j < Size; ++j) q_[i][j] += error[i] * error[j];
+    }
+  }
+
   /// Adds errors that may point the way of those before: the ellipsoid about the sums of both,
   /// (1 + r) Q + (1 + 1/r) S for any r > 0, and smallest in trace for this one.
   void add_aligned(const Vector<Size>& error) {

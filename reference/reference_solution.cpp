@@ -23,7 +23,7 @@ class Uncertainty {
   using Motion = CvodeMotion<N>;
   using State = typename Motion::State;
 
-  explicit Uncertainty(const Scenario& scenario) : motion_(scenario) {}
+  Uncertainty(const Scenario& scenario, Tolerances tolerances) : motion_(scenario), tolerances_(tolerances) {}
 
   /// Takes in the piece that `tight` has just made; moves `loose` along.
   void follow(const Motion& tight, Motion& loose) {
@@ -48,7 +48,7 @@ class Uncertainty {
   double impact_s() const { return impact_s_; }
 
  private:
-  // The halves and fifths of the bound (reference_solution.hpp).
+  // The half and the fifth of the bound (reference_solution.hpp).
   static constexpr double gain = 2;
   static constexpr double bias = 0.2;
 
@@ -56,9 +56,7 @@ class Uncertainty {
   static constexpr double lost_rad = 1e6;
 
   /// What one step may add to a component of that size.
-  static double step_error(double value) {
-    return (tight_tolerances.rtol + epsilon) * std::fabs(value) + tight_tolerances.atol;
-  }
+  double step_error(double value) const { return (tolerances_.rtol + epsilon) * std::fabs(value) + tolerances_.atol; }
 
   void fly(const Motion& tight, Motion& loose) {
     if (end_ >= lost_rad) return;
@@ -66,7 +64,7 @@ class Uncertainty {
     const auto map = motion_.transition(tight.at(tight.begin() + h / 2), h);
     const State y = tight.at(tight.end());
     State error;
-    std::transform(y.begin(), y.end(), error.begin(), step_error);
+    std::transform(y.begin(), y.end(), error.begin(), [this](double value) { return step_error(value); });
     independent_.carry(map);
     independent_.add_independent(error);
     aligned_.carry(map);
@@ -101,17 +99,23 @@ class Uncertainty {
     // The link turns, or would turn, at q - qd^2 / 2 qdd. How far that is off leaves the speed at the wall unknown.
     const double unknown_height = pull == 0 ? 0 : bound(State{1, -y[1] / pull}) + tight.stop_uncertainty();
     const double unknown_speed = std::sqrt(2 * std::fabs(pull) * unknown_height);
-    bool doubtful = !tight.struck() && *tight.turn_height() < 2 * unknown_height;
+    const double both_ways = 1 + tight.restitution();
     if (tight.struck()) {
       const Impact& impact = tight.impacts().back();
       const double rate = std::copysign(std::max(std::fabs(impact.qd_before), unknown_speed), impact.qd_before);
-      doubtful = std::fabs(impact.qd_before) < 2 * unknown_speed;
+      const bool doubtful = std::fabs(impact.qd_before) < 2 * unknown_speed;
       impact_s_ = (end_ + tight.stop_uncertainty()) / std::fabs(rate) + time_rounding(tight.end());
       independent_.add_independent({tight.stop_uncertainty() / factor_, 0});
       independent_.carry(saltation(tight.restitution(), rate, pull));
       aligned_.carry(saltation(tight.restitution(), rate, pull));
+      if (doubtful) independent_.add_independent({0, both_ways * unknown_speed / factor_});
+    } else if (*tight.turn_height() < 2 * unknown_height) {
+      // A graze that may have been a touch, as fast as a fall from the stop to the turn, early or late in the step.
+      const double fall = unknown_height + std::max(-*tight.turn_height(), 0.0);
+      const double change = both_ways * std::sqrt(2 * std::fabs(pull) * fall) / factor_;
+      independent_.add_together({change * (tight.end() - tight.begin()), change});
+      independent_.add_together({0, change});
     }
-    if (doubtful) independent_.add_independent({0, (1 + tight.restitution()) * unknown_speed / factor_});
     update();
   }
 
@@ -132,6 +136,7 @@ class Uncertainty {
   static double time_rounding(double t) { return 4 * epsilon * t; }
 
   FreeMotion<N> motion_;
+  Tolerances tolerances_;  // of the tight run
   Ellipsoid<2 * N> independent_;
   Ellipsoid<2 * N> aligned_;
   double factor_ = 1;
@@ -177,15 +182,15 @@ std::array<Vec3, N> joint_forces(const Scenario& scenario, const std::array<doub
   return forces;
 }
 
-std::string describe() {
+std::string describe(Tolerances tight, Tolerances loose) {
   std::ostringstream text;
-  text << "CVODE " << CvodeSolver::version() << " Adams, rtol " << tight_tolerances.rtol << ", atol "
-       << tight_tolerances.atol << "; uncertainty from a second run at rtol " << loose_tolerances.rtol;
+  text << "CVODE " << CvodeSolver::version() << " Adams, rtol " << tight.rtol << ", atol " << tight.atol
+       << "; uncertainty from a second run at rtol " << loose.rtol;
   return text.str();
 }
 
 template <std::size_t N>
-Reference solve(const Scenario& scenario, const SampleGrid& grid) {
+Reference solve(const Scenario& scenario, const SampleGrid& grid, Tolerances tight_run, Tolerances loose_run) {
   const auto rows = static_cast<std::size_t>(grid.rows);
   Reference reference;
   Trace& trace = reference.trace;
@@ -197,9 +202,9 @@ Reference solve(const Scenario& scenario, const SampleGrid& grid) {
   trace.contacts.assign(rows, 0.0);
   reference.joint_force.assign(N, {Column(rows), Column(rows), Column(rows)});
 
-  CvodeMotion<N> tight(scenario, tight_tolerances);
-  CvodeMotion<N> loose(scenario, loose_tolerances);
-  Uncertainty<N> uncertainty(scenario);
+  CvodeMotion<N> tight(scenario, tight_run);
+  CvodeMotion<N> loose(scenario, loose_run);
+  Uncertainty<N> uncertainty(scenario, tight_run);
   reference.impacts = tight.impacts();  // at t = 0
   reference.impact_uncertainty_s.assign(reference.impacts.size(), 0.0);
   const double last = grid.time(grid.rows - 1);
@@ -234,15 +239,20 @@ Reference solve(const Scenario& scenario, const SampleGrid& grid) {
     }
   }
   if (tight.at_rest_from() <= last) reference.at_rest_from = tight.at_rest_from();
-  reference.described = describe();
+  reference.described = describe(tight_run, loose_run);
   return reference;
 }
 
 }  // namespace
 
 Reference solve_reference(const Scenario& scenario, const SampleGrid& grid) {
-  return with_equations(scenario,
-                        [&]<std::size_t N>(const ChainEquations<double, N>&) { return solve<N>(scenario, grid); });
+  return solve_reference(scenario, grid, tight_tolerances, loose_tolerances);
+}
+
+Reference solve_reference(const Scenario& scenario, const SampleGrid& grid, Tolerances tight, Tolerances loose) {
+  return with_equations(scenario, [&]<std::size_t N>(const ChainEquations<double, N>&) {
+    return solve<N>(scenario, grid, tight, loose);
+  });
 }
 
 }  // namespace odeval::reference

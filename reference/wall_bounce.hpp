@@ -1,6 +1,10 @@
 #pragma once
-// The arc a link may swing through without entering the wall, and what happens at its ends: kept once for every
-// method that locates its touches. One link on one hinge; the state is (q, qd).
+// The arc a link may swing through without entering the wall, and what happens at its ends. One link on one hinge; the
+// state is (q, qd).
+//
+// The arc, the root finder and the cap on impacts serve every method that locates its touches; WallBounce serves the
+// closed form, the fixed steps and ode45. CVODE keeps its own bounces (cvode_motion.hpp), since a bound on their error
+// asks for more: grazes told from touches, hops too low for its tolerances, a known height where they are cut short.
 //
 // Since the outline is a rectangle and the wall is flat, every angle of touch has a closed form. A corner at
 // (s, side w/2), R = hypot(s, w/2), beta = atan2(side w/2, s), is inside the wall (wall_contact.hpp) when
@@ -63,6 +67,18 @@ inline FreeArc free_arc(const Scenario& scenario) {
   return arc;
 }
 
+/// Bounces of 1e-7 rad/s that lose nothing would be 5e8 in 10 s: a run has to end.
+inline constexpr std::size_t most_impacts = 1'000'000;
+
+/// The zero of f between a and b, where f has the values fa and fb of unlike sign, to the last bits.
+template <class Function>
+double root(Function&& f, double a, double b, double fa, double fb) {
+  std::uintmax_t most = 200;
+  const auto bracket =
+      boost::math::tools::toms748_solve(f, a, b, fa, fb, boost::math::tools::eps_tolerance<double>(), most);
+  return bracket.first + (bracket.second - bracket.first) / 2;
+}
+
 /// A touch inside a step.
 struct Touch {
   double after_s;  // since the step's start
@@ -122,15 +138,13 @@ class WallBounce {
 
   /// A start in contact, without speed and with the link's weight against the wall.
   bool rests(const State& y) const {
-    constexpr double contact = 1e-15;  // rad, rounding of an angle of touch
+    // Rounding of an angle of touch: these methods can follow bounces lower than what CVODE counts as contact.
+    constexpr double contact = 1e-15;  // rad
     return std::fabs(y[1]) < rest_speed_rad_s && ((y[0] >= arc_.high - contact && leans_on_wall(arc_.high, true)) ||
                                                   (y[0] <= arc_.low + contact && leans_on_wall(arc_.low, false)));
   }
 
  private:
-  // Bounces of 1e-7 rad/s that lose nothing would be 5e8 in 10 s: a run has to end.
-  static constexpr std::size_t most_impacts = 1'000'000;
-
   bool leans_on_wall(double angle, bool upward) const {
     State rate;
     equations_({angle, 0}, rate);
@@ -145,13 +159,6 @@ class WallBounce {
     if (!(beyond(to) >= 0)) return std::nullopt;
     if (beyond(from) >= 0) return Touch{begin, angle, upward};
     return Touch{root([&](double s) { return beyond(at(s)); }, begin, end, beyond(from), beyond(to)), angle, upward};
-  }
-
-  // The zero of f between a and b, where f has the values fa and fb of unlike sign, to the last bits.
-  template <class Function>
-  static double root(Function&& f, double a, double b, double fa, double fb) {
-    std::uintmax_t most = 200;
-    return boost::math::tools::toms748_solve(f, a, b, fa, fb, boost::math::tools::eps_tolerance<double>(), most).second;
   }
 
   ChainEquations<double, 1> equations_;

@@ -1,5 +1,5 @@
 #pragma once
-// When a swinging link touches the wall, and what the touch does. One link on one hinge.
+// When a swinging link touches the wall. One link on one hinge.
 //
 // The link's outline in the plane of swing is a rectangle with four corners, at s = 0 or l along it
 // and at +w/2 or -w/2 across it. A corner's distance from the wall's face is
@@ -22,8 +22,7 @@ class WallContact {
   explicit WallContact(const Scenario& scenario)
       : length_(scenario.links.at(0).length_m),
         half_width_(scenario.links.at(0).width_m / 2),
-        offset_(scenario.problem->frame.hinge_m[0] - scenario.wall.value().face_m),
-        restitution_(scenario.wall.value().restitution) {}
+        offset_(scenario.problem->frame.hinge_m[0] - scenario.wall.value().face_m) {}
 
   /// Signed distance of a corner from the wall's face, m; negative inside the wall.
   template <class Real>
@@ -48,8 +47,6 @@ class WallContact {
     return nearest;
   }
 
-  double restitution() const { return restitution_; }
-
  private:
   double along(std::size_t corner) const { return corner < 2 ? length_ : 0.0; }
   double across(std::size_t corner) const { return corner % 2 == 0 ? half_width_ : -half_width_; }
@@ -57,7 +54,6 @@ class WallContact {
   double length_;
   double half_width_;
   double offset_;
-  double restitution_;
 };
 
 /// A link that leaves the wall slower than this, with its weight against the wall, is at rest. The bounces left out
