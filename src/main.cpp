@@ -14,7 +14,7 @@ int main(int argc, char** argv) try {
   std::cerr << "odeval: " << error.what() << '\n';
   return 2;
 } catch (const std::bad_alloc&) {
-  std::cerr << "odeval: out of memory; fewer rows need less: --sample DT, --duration T\n";
+  std::cerr << "odeval: out of memory; fewer rows or pixels need less: --sample DT, --duration T, --size WxH\n";
   return 3;
 } catch (const std::exception& error) {
   std::cerr << "odeval: " << error.what() << '\n';

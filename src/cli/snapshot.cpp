@@ -219,6 +219,11 @@ int snapshot(const Options& options) {
   if (rows.empty() && options.sheet) throw UserError("--sheet: needs --times T1[,T2...] in s");
 
   render::Studio studio(scenario, view, size.width, size.height, render::caption_font());
+  if (options.sheet && !studio.has_room_for(rows.size())) {
+    throw UserError(
+        fmt::format("--times: {} poses do not fit on a sheet of --size {}; fewer times or a larger size will",
+                    rows.size(), options.size));
+  }
   bool diverged = false;
   std::vector<std::string> written;
   {

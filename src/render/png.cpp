@@ -23,7 +23,11 @@ class Stream {
  public:
   Stream()
       : png_(png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, &throw_fault, &ignore_warning)),
-        info_(png_create_info_struct(png_)) {
+        info_(png_ == nullptr ? nullptr : png_create_info_struct(png_)) {
+    if (info_ == nullptr) {
+      png_destroy_write_struct(&png_, nullptr);
+      throw MachineError("libpng: out of memory");
+    }
     png_set_write_fn(
         png_, &bytes_,
         [](png_structp png, png_bytep data, std::size_t length) {

@@ -108,8 +108,11 @@ Vec3 Stage::lamp() const {
 }
 
 bool Stage::drawable(const LinkPose& link) const {
+  // Comparisons that are false for what is no number as well.
+  const auto is_unit = [](const Vec3& v) { return std::fabs(dot(v, v) - 1) < 0.1; };
   const Vec3 away = link.centre_m - frame_.hinge_m;
-  return dot(away, away) < 1e6 * reach_m_ * reach_m_;  // false for what is no number as well
+  return dot(away, away) < 1e6 * reach_m_ * reach_m_ && is_unit(link.along) && is_unit(link.across) &&
+         is_unit(link.hinge);
 }
 
 // Links next to each other are drawn a little less deep in turn: faces in the same plane would fight for pixels.
@@ -234,6 +237,7 @@ std::vector<Layer> Stage::layers(const Camera& camera, const Pose& pose, const P
       Layer& wires = layers.emplace_back(Layer{rule, {}, {}});
       const Colour colour = rule == Layer::Rule::over ? faded(outline_colour, 0.3) : outline_colour;
       for (std::size_t i = 0; i < outline->size(); ++i) {
+        if (!drawable((*outline)[i])) continue;
         const Block link = block(*outline, i);
         brush.wire(wires, link.pose, link.half, colour, 1.4 * edge_px);
       }

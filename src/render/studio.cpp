@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "odeval/error.hpp"
-
 namespace odeval::render {
 namespace {
 
@@ -25,6 +23,27 @@ int baseline(int strip_top, int strip, double size_px) {
   return strip_top + static_cast<int>(std::lround(strip / 2.0 + 0.36 * size_px));
 }
 
+/// What a sheet is divided into: a scene with a gap around it, and a strip for its label below.
+struct Cell {
+  int across = 0;
+  int down = 0;
+  int gap = 0;
+  int strip = 0;
+
+  Cell() = default;
+  Cell(int wide, int high)
+      : across(wide), down(high), gap(std::min(wide, high) / 60), strip(strip_of(std::max(9.0, high / 24.0), high)) {}
+
+  Panel panel(int left, int top) const {
+    return {{left + gap, top + gap, across - 2 * gap, down - strip - gap},
+            {left + gap, top + down - strip, across - 2 * gap, strip}};
+  }
+  int shorter() const {
+    const Tile scene = panel(0, 0).scene;
+    return std::min(scene.width, scene.height);
+  }
+};
+
 void frame(Image& image, const Tile& around) {
   for (int x = 0; x < around.width; ++x) {
     for (const int y : {0, around.height - 1}) image.mix(around.x + x, around.y + y, rule, 255);
@@ -38,30 +57,23 @@ void frame(Image& image, const Tile& around) {
 
 std::vector<Panel> sheet_panels(std::size_t shots, int width, int height) {
   const int count = static_cast<int>(shots);
-  int best_columns = 0;
-  int best = least_size - 1;
-  for (int columns = 1; columns <= count; ++columns) {
-    const int rows = (count + columns - 1) / columns;
-    const int shorter = std::min(width / columns, height / rows);
-    if (shorter > best) {
-      best = shorter;
-      best_columns = columns;
-    }
+  int columns = 0;
+  Cell best;
+  for (int tried = 1; tried <= std::min(count, width / least_size); ++tried) {
+    const int rows = (count + tried - 1) / tried;
+    const Cell cell(width / tried, height / rows);
+    if (cell.shorter() < least_size || cell.shorter() <= best.shorter()) continue;
+    best = cell;
+    columns = tried;
   }
   std::vector<Panel> panels;
-  if (best_columns == 0) return panels;
-  const int rows = (count + best_columns - 1) / best_columns;
-  const int across = width / best_columns;
-  const int down = height / rows;
-  const int gap = across / 60;
-  const int strip = strip_of(std::max(9.0, down / 24.0), down);
+  if (columns == 0) return panels;
   for (int k = 0; k < count; ++k) {
-    const int row = k / best_columns;
-    const int in_row = std::min(best_columns, count - row * best_columns);
-    const int left = (width - in_row * across) / 2 + (k % best_columns) * across;  // a short last row in the middle
-    const int top = row * down;
-    panels.push_back({{left + gap, top + gap, across - 2 * gap, down - strip - gap},
-                      {left + gap, top + down - strip, across - 2 * gap, strip}});
+    const int row = k / columns;
+    const int in_row = std::min(columns, count - row * columns);
+    const int left =
+        (width - in_row * best.across) / 2 + (k % columns) * best.across;  // a short last row in the middle
+    panels.push_back(best.panel(left, row * best.down));
   }
   return panels;
 }
@@ -90,10 +102,6 @@ Image Studio::picture(const Shot& shot, const Caption& caption) {
 
 Image Studio::sheet(std::span<const Shot> shots, const Caption& caption) {
   const std::vector<Panel> panels = sheet_panels(shots.size(), width_, height_ - strip_);
-  if (panels.empty()) {
-    throw UserError("--times: " + std::to_string(shots.size()) + " poses do not fit on a sheet of " +
-                    std::to_string(width_) + "x" + std::to_string(height_) + "; fewer times or a larger --size will");
-  }
   Image image(width_, height_);
   for (std::size_t k = 0; k < shots.size(); ++k) {
     const auto& [scene_tile, label] = panels[k];

@@ -43,7 +43,10 @@ class Studio {
 
   Image picture(const Shot& shot, const Caption& caption);
 
-  /// Throws UserError when there are too many shots for the size.
+  /// Whether so many shots find room on a sheet.
+  bool has_room_for(std::size_t shots) const { return !sheet_panels(shots, width_, height_ - strip_).empty(); }
+
+  /// Shots that have room, in order.
   Image sheet(std::span<const Shot> shots, const Caption& caption);
 
   /// The part of a picture or sheet above the caption.

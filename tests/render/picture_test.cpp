@@ -199,6 +199,12 @@ void hopeless_poses_are_left_out() {
     const Image image = studio.picture({pose, pose, ""}, {});
     CHECK(pixels_of_link(image, 0) > 20);
     CHECK_EQUAL(pixels_of_link(image, 1), 0L);
+    for (Vec3 LinkPose::*direction : {&LinkPose::along, &LinkPose::across, &LinkPose::hinge}) {
+      Pose bent{good, good};
+      bent[1].centre_m = good.centre_m + Vec3{0, 0.5, 0};
+      (bent[1].*direction)[1] = far;
+      CHECK_EQUAL(pixels_of_link(studio.picture({bent, bent, ""}, {}), 1), 0L);
+    }
   }
 }
 
@@ -303,8 +309,13 @@ bool apart(const Tile& a, const Tile& b) {
 }
 
 void sheets() {
-  for (const auto& [shots, width, height] :
-       {std::tuple{1U, 800, 600}, {5U, 800, 600}, {5U, 1920, 300}, {24U, 400, 300}}) {
+  for (const auto& [shots, width, height] : {std::tuple{1U, 800, 600},
+                                             {5U, 800, 600},
+                                             {5U, 1920, 300},
+                                             {24U, 400, 300},
+                                             {2U, 8192, 80},
+                                             {2U, 80, 8192},
+                                             {3U, 60, 17}}) {
     const std::vector<Panel> panels = sheet_panels(shots, width, height);
     CHECK_EQUAL(panels.size(), shots);
     std::vector<Tile> tiles;
@@ -319,6 +330,11 @@ void sheets() {
     }
   }
   CHECK(sheet_panels(5, 1920, 300).back().scene.y == sheet_panels(5, 1920, 300).front().scene.y);  // one row
+  for (int side = 1; side <= 300; ++side) {
+    for (const Panel& panel : sheet_panels(3, 8 * side, side)) {
+      CHECK(panel.scene.width >= least_size && panel.scene.height >= least_size);
+    }
+  }
   CHECK(sheet_panels(1000, 100, 100).empty());
 
   catalogue::Evaluator evaluator(odeval::test::report_scenario("wall_pendulum", 1.0, 1e-3));
@@ -344,8 +360,8 @@ void sheets() {
     }
     CHECK(dark > 20);
   }
-  const std::vector<Shot> many(5000, shots.front());
-  CHECK_THROWS(studio.sheet(many, {}), UserError, "--times: 5000");
+  CHECK(studio.has_room_for(rows.size()));
+  CHECK(!studio.has_room_for(5000));
 }
 
 /// Along the edges of the boxes of a pose, how many of the points are dark in the picture.
