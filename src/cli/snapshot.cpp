@@ -130,6 +130,7 @@ class Album {
         render::Studio& studio)
       : options_(options),
         scenario_(evaluator.scenario()),
+        grid_(evaluator.grid()),
         reference_(evaluator.reference()),
         run_(run),
         studio_(studio) {
@@ -140,6 +141,7 @@ class Album {
 
   void pictures(const std::vector<std::size_t>& rows) {
     for (const std::size_t row : rows) {
+      if (!there(row)) continue;
       const std::string t = time_text(run_.trace.t[row]);
       write("t" + t, render::png(studio_.picture(shot(row), caption(row)), texts(t)));
     }
@@ -149,8 +151,9 @@ class Album {
     std::vector<render::Shot> shots;
     std::string all;
     for (const std::size_t row : rows) {
-      shots.push_back(shot(row));
-      all += (all.empty() ? "" : ",") + time_text(run_.trace.t[row]);
+      const std::string t = time_text(grid_.time(static_cast<long>(row)));
+      shots.push_back(there(row) ? shot(row) : render::Shot{{}, {}, "t = " + t + " s: diverged"});
+      all += (all.empty() ? "" : ",") + t;
     }
     write("sheet", render::png(studio_.sheet(shots, {who(), step_}), texts(all)));
   }
@@ -169,7 +172,19 @@ class Album {
 
   const std::vector<std::string>& written() const { return written_; }
 
+  /// Times of rows whose links lie in part outside of the picture, with commas.
+  std::string cut_off(const std::vector<std::size_t>& rows) const {
+    std::string all;
+    for (const std::size_t row : rows) {
+      if (!there(row) || studio_.shows(render::pose_at(scenario_, run_.trace, row))) continue;
+      all += (all.empty() ? "" : ",") + time_text(run_.trace.t[row]);
+    }
+    return all;
+  }
+
  private:
+  bool there(std::size_t row) const { return row < run_.trace.rows(); }
+
   render::Shot shot(std::size_t row) const {
     render::Shot shot{render::pose_at(scenario_, run_.trace, row), {}, "t = " + time_text(run_.trace.t[row]) + " s"};
     if (options_.overlay) shot.outline = render::pose_at(scenario_, reference_.trace, row);
@@ -199,6 +214,7 @@ class Album {
 
   const Options& options_;
   const Scenario& scenario_;
+  const SampleGrid& grid_;
   const Reference& reference_;
   const catalogue::Evaluation& run_;
   render::Studio& studio_;
@@ -231,13 +247,15 @@ int snapshot(const Options& options) {
     for (const catalogue::Method* method : methods) {
       progress.next(scenario.name + " " + std::string(method->name));
       const catalogue::Evaluation run = evaluator.evaluate(*method);
-      std::vector<std::size_t> there;
-      std::ranges::copy_if(rows, std::back_inserter(there), [&](std::size_t row) { return row < run.trace.rows(); });
       Album album(options, evaluator, run, studio);
-      if (options.sheet && !there.empty()) album.sheet(there);
-      if (!options.sheet) album.pictures(there);
+      if (options.sheet) album.sheet(rows);
+      if (!options.sheet) album.pictures(rows);
       if (options.film) album.film();
       std::ranges::copy(album.written(), std::back_inserter(written));
+      if (const std::string times = album.cut_off(rows); !times.empty()) {
+        std::cerr << "odeval: " << method->name << ": the picture does not hold all of the links at t = " << times
+                  << " s; --camera sees more from farther away\n";
+      }
       if (run.outcome.diverged) {
         diverged = true;
         std::cerr << "odeval: " << method->name << " diverged: " << run.outcome.reason

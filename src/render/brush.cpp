@@ -12,7 +12,7 @@ constexpr int sides = 64;            // of a cylinder
 constexpr double edge_shade = 0.42;  // of an edge, relative to its face
 
 // Lines lie this much nearer to the eye: beside a face that recedes, half of a line's width would sink into it.
-constexpr double line_lift = 1 - 2e-3;
+constexpr double line_lift = 1 - 1e-3;
 
 // Half of the light comes from the lamp, the rest from a sky that is brighter above.
 constexpr double ambient = 0.70;

@@ -18,7 +18,8 @@ constexpr std::array palette{Colour{0, 114, 178},    // blue
                              Colour{213, 94, 0}};    // vermilion
 constexpr Colour hinge_colour{92, 94, 98};
 constexpr Colour wall_colour{214, 208, 198};
-constexpr Colour outline_colour{20, 20, 20};
+constexpr Colour outline_colour{200, 0, 110};  // of no link, nor of any shadow
+constexpr Colour halo_colour{255, 255, 255};   // on both sides of it
 constexpr Colour ground_colour{222, 225, 229};
 constexpr Colour grid_colour{168, 173, 180};
 
@@ -115,6 +116,18 @@ bool Stage::drawable(const LinkPose& link) const {
          is_unit(link.hinge);
 }
 
+bool Stage::inside(const Camera& camera, const Pose& pose) const {
+  for (std::size_t i = 0; i < pose.size(); ++i) {
+    if (!drawable(pose[i])) return false;
+    const Block link = block(pose, i);
+    for (const Vec3& point : corners_of(link.pose, link.half)) {
+      const Pixel at = camera.project(point);
+      if (at.depth_m <= 0 || at.x < 0 || at.y < 0 || at.x > camera.width() || at.y > camera.height()) return false;
+    }
+  }
+  return true;
+}
+
 // Links next to each other are drawn a little less deep in turn: faces in the same plane would fight for pixels.
 Stage::Block Stage::block(const Pose& pose, std::size_t link) const {
   const Link& size = links_[link];
@@ -189,7 +202,8 @@ void Stage::add_hinges(Layer& layer, const Brush& brush, const Pose& pose, doubl
     const double radius = std::max(0.32 * thinnest, 0.004 * reach_m_);
     const Vec3 near = pose[i].centre_m - (links_[i].length_m / 2) * pose[i].along;
     const Vec3 at = i == 0 ? frame_.hinge_m : near;
-    const double out = i == 0 ? 1.6 * radius : 0.5 * radius;  // the first hinge holds on to the world
+    // The first hinge holds on to the world; the others stand out so far that no edge is lifted over them.
+    const double out = i == 0 ? 1.6 * radius : radius;
     brush.cylinder(layer, at, pose[i].hinge, radius, 0.5 * deepest + out, hinge_colour, edge_px);
   }
 }
@@ -233,15 +247,17 @@ std::vector<Layer> Stage::layers(const Camera& camera, const Pose& pose, const P
   add_hinges(links, brush, pose, edge_px);
 
   if (outline != nullptr) {
-    for (const Layer::Rule rule : {Layer::Rule::over, Layer::Rule::solid}) {  // faint where hidden
+    const auto add_wires = [&](Layer::Rule rule, const Colour& colour, double px) {
       Layer& wires = layers.emplace_back(Layer{rule, {}, {}});
-      const Colour colour = rule == Layer::Rule::over ? faded(outline_colour, 0.3) : outline_colour;
       for (std::size_t i = 0; i < outline->size(); ++i) {
         if (!drawable((*outline)[i])) continue;
         const Block link = block(*outline, i);
-        brush.wire(wires, link.pose, link.half, colour, 1.4 * edge_px);
+        brush.wire(wires, link.pose, link.half, colour, px);
       }
-    }
+    };
+    add_wires(Layer::Rule::over, faded(halo_colour, 0.5), 2.4 * edge_px);
+    add_wires(Layer::Rule::over, faded(outline_colour, 0.4), 1.4 * edge_px);  // fainter where hidden
+    add_wires(Layer::Rule::solid, outline_colour, 1.4 * edge_px);
   }
   return layers;
 }

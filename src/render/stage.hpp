@@ -18,6 +18,9 @@ class Stage {
   /// Points around all that links can reach about the first hinge, and the wall.
   std::vector<Vec3> extent() const;
 
+  /// Whether all of the links are drawn, and within the picture.
+  bool inside(const Camera& camera, const Pose& pose) const;
+
   /// The pose, and over it the edges of a second one where there is one. Links of which a number is beyond drawing
   /// (a run that blew up) are left out.
   std::vector<Layer> layers(const Camera& camera, const Pose& pose, const Pose* outline) const;

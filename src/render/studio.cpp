@@ -9,6 +9,7 @@ namespace {
 constexpr Colour ink{38, 40, 44};
 constexpr Colour rule{214, 217, 221};
 constexpr double least_text = 6;      // pixels; smaller text can not be read and is left out
+constexpr double least_footer = 8;    // pixels; before a caption gets smaller, it loses its end
 constexpr double strip_height = 2.1;  // of a caption, in text sizes
 
 double text_size(int width, int height) { return std::max(9.0, std::min(width, height) / 36.0); }
@@ -43,6 +44,17 @@ struct Cell {
     return std::min(scene.width, scene.height);
   }
 };
+
+/// As much of the beginning of UTF-8 text as fits, and an ellipsis; nothing where not even one character does.
+template <class Fits>
+std::string elided(std::string text, Fits fits) {
+  while (!text.empty()) {
+    while (!text.empty() && (static_cast<unsigned char>(text.back()) & 0xc0) == 0x80) text.pop_back();
+    if (!text.empty()) text.pop_back();
+    if (!text.empty() && fits(text + "\u2026")) return text + "\u2026";
+  }
+  return text;
+}
 
 void frame(Image& image, const Tile& around) {
   for (int x = 0; x < around.width; ++x) {
@@ -93,6 +105,8 @@ Image Studio::scene(const Shot& shot, int width, int height) {
   return painter_->paint(stage_.layers(camera, shot.pose, shot.outline ? &*shot.outline : nullptr), camera);
 }
 
+bool Studio::shows(const Pose& pose) const { return stage_.inside(camera(width_, height_ - strip_), pose); }
+
 Image Studio::picture(const Shot& shot, const Caption& caption) {
   Image image(width_, height_);
   image.place(scene(shot, width_, height_ - strip_), 0, 0);
@@ -109,7 +123,7 @@ Image Studio::sheet(std::span<const Shot> shots, const Caption& caption) {
     frame(image, scene_tile);
     if (label.height == 0) continue;
     const double room = label.width / font_.width_px(shots[k].label, 1);
-    const double size = std::min(label.height / strip_height, room);
+    const double size = std::min({label.height / strip_height, room, text_size(width_, height_)});
     if (size < least_text) continue;
     const double left = label.x + (label.width - font_.width_px(shots[k].label, size)) / 2;
     font_.draw(image, shots[k].label, size, left, baseline(label.y, label.height, size), ink);
@@ -118,19 +132,25 @@ Image Studio::sheet(std::span<const Shot> shots, const Caption& caption) {
   return image;
 }
 
-// Both ends on one line, in a size at which they do not meet.
+// Both ends on one line, in a size at which they do not meet; where that were too small to read, the left one gives
+// way.
 void Studio::write_caption(Image& image, const Caption& caption) const {
   if (strip_ == 0) return;
   double size = strip_ / strip_height;
   const double margin = size;
-  const double gap = caption.left.empty() || caption.right.empty() ? 0 : size;
-  const double wide = font_.width_px(caption.left, size) + font_.width_px(caption.right, size) + gap;
-  size *= std::min(1.0, (width_ - 2 * margin) / wide);
+  const double room = width_ - 2 * margin;
+  const auto wide = [&](const std::string& left) {
+    const double gap = left.empty() || caption.right.empty() ? 0 : size;
+    return font_.width_px(left, size) + gap + font_.width_px(caption.right, size);
+  };
+  std::string left = caption.left;
+  if (wide(left) > room) size = std::max(std::min(size, least_footer), size * room / wide(left));
+  if (wide(left) > room) left = elided(left, [&](const std::string& shorter) { return wide(shorter) <= room; });
+  if (wide(left) > room || (left.empty() && caption.right.empty())) return;
   const int top = height_ - strip_;
   for (int x = static_cast<int>(margin); x < width_ - static_cast<int>(margin); ++x) image.mix(x, top, rule, 255);
-  if (size < least_text) return;
   const int line = baseline(top, strip_, size);
-  font_.draw(image, caption.left, size, margin, line, ink);
+  font_.draw(image, left, size, margin, line, ink);
   font_.draw(image, caption.right, size, width_ - margin - font_.width_px(caption.right, size), line, ink);
 }
 

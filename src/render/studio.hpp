@@ -41,6 +41,9 @@ class Studio {
   /// Throws MachineError without a font or an OpenGL context. Sizes from `least_size` to `largest_size`.
   Studio(const Scenario& scenario, const View& view, int width, int height, const std::filesystem::path& font);
 
+  /// Whether a picture holds all of the links.
+  bool shows(const Pose& pose) const;
+
   Image picture(const Shot& shot, const Caption& caption);
 
   /// Whether so many shots find room on a sheet.
