@@ -304,6 +304,105 @@ void film_is_a_whole_apng() {
   CHECK((rectangles[2] == std::array<std::uint32_t, 4>{1, 1, 0, 0}));
 }
 
+/// Links that differ in every size, so that none stands in for another.
+void unequal_links() {
+  Scenario scenario = odeval::test::report_scenario("double_pendulum", 0.3, 1e-3);
+  scenario.links = {{1, 1, 0.1, 0.2}, {1, 0.6, 0.14, 0.05}};
+  catalogue::Evaluator evaluator(scenario);
+  Studio studio(scenario, front, 800, 600, caption_font());
+  const Tile above = studio.above_caption();
+  const Camera camera = studio.camera(above.width, above.height);
+  for (const char* method : {"ode-step-double", "lagrange-rk4"}) {
+    const Trace trace = evaluator.evaluate(catalogue::find_method(method)).trace;
+    for (const std::size_t row : {0U, 300U}) {
+      const std::vector<Segment> all = segments(scenario, trace, row);
+      const Pose pose = pose_at(scenario, trace, row);
+      const Image image = studio.picture({pose, {}, ""}, {});
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        const Vec3 off = pose[i].centre_m - 0.5 * (all[i].near + all[i].far);
+        CHECK_NEAR(length(off), 0, 1e-4);
+        const auto seen = [&](double s, double w) {
+          return has_link_colour(image, camera.project(on_face(scenario, all[i], i, s, w)), i);
+        };
+        for (const double side : {-1.0, 1.0}) {
+          CHECK(seen(0.5, 0.36 * side));
+          CHECK(!seen(0.5, 0.64 * side));
+        }
+        if (i + 1 == all.size()) CHECK(seen(0.96, 0));
+        CHECK(!seen(1.05, i + 1 == all.size() ? 0.0 : 0.4));
+      }
+    }
+  }
+}
+
+/// Edges at an angle are smooth, and no edge of a link crosses the cap of a hinge.
+void smooth_edges_whole_hinges() {
+  Scenario scenario = odeval::test::report_scenario("double_pendulum", 0.01, 1e-3);
+  catalogue::Evaluator evaluator(scenario);
+  const Trace trace = evaluator.evaluate(catalogue::find_method("lagrange-rk4")).trace;
+  Studio studio(scenario, front, 1600, 1200, caption_font());
+  const Image image = studio.picture(shot_of(scenario, trace, 0), {});
+  const Tile above = studio.above_caption();
+  const Camera camera = studio.camera(above.width, above.height);
+  const Segment first = segments(scenario, trace, 0)[0];  // at 45 degrees
+  long between = 0;                                       // the dark edge and the white behind it
+  for (double s = 0.1; s < 0.9; s += 0.002) {
+    const Pixel at = camera.project(on_face(scenario, first, 0, s, 0.5));
+    for (int x = -4; x <= 4; ++x) {
+      const Colour seen = image.at(static_cast<int>(at.x) + x, static_cast<int>(at.y));
+      between += seen.r > 80 && seen.r < 225;
+    }
+  }
+  CHECK(between > 50);
+  const Vec3 cap = first.far + 0.08 * scenario.problem->frame.axis();
+  for (const Vec3& aside :
+       {Vec3{0, 0, 0}, Vec3{0, 0.015, 0}, Vec3{0, -0.015, 0}, Vec3{0, 0, 0.015}, Vec3{0, 0, -0.015}}) {
+    const Pixel at = camera.project(cap + aside);
+    const Colour seen = image.at(static_cast<int>(at.x), static_cast<int>(at.y));
+    CHECK_BETWEEN(seen.r, 70.0, 120.0);
+    CHECK_BETWEEN(seen.b, seen.r - 10.0, seen.r + 15.0);
+  }
+}
+
+/// The wall ends at its face; the links' shadows fall on it and on the ground.
+void shadows_and_wall() {
+  Scenario scenario = odeval::test::report_scenario("wall_pendulum", 0.01, 1e-3);
+  catalogue::Evaluator evaluator(scenario);
+  const Trace trace = evaluator.evaluate(catalogue::find_method("ode-step-double")).trace;
+  const PlanarFrame& frame = scenario.problem->frame;
+  {
+    Studio studio(scenario, front, 800, 600, caption_font());
+    const Image image = studio.picture({{}, {}, ""}, {});
+    const Tile above = studio.above_caption();
+    const Camera camera = studio.camera(above.width, above.height);
+    const double to_face = scenario.wall->face_m - dot(frame.hinge_m, frame.horizontal);
+    const auto red = [&](double beyond) {
+      // At the depth of the wall's front, which is 0.42 reaches from the plane of swing.
+      const Pixel at = camera.project(frame.hinge_m + (to_face + beyond) * frame.horizontal + 0.42 * frame.axis());
+      return static_cast<int>(image.at(static_cast<int>(at.x), static_cast<int>(at.y)).r);
+    };
+    CHECK(red(-0.04) < 235);
+    CHECK(std::min({red(-0.004), red(0), red(0.004)}) < 160);  // the edge
+    CHECK(red(0.08) > 245);                                    // 0.04 would still be the face, from the side
+  }
+  Studio studio(scenario, corner, 800, 600, caption_font());
+  const Image empty = studio.picture({{}, {}, ""}, {});
+  const Image full = studio.picture(shot_of(scenario, trace, 0), {});
+  long on_wall = 0;
+  long on_floor = 0;
+  for (int y = 0; y < empty.height(); ++y) {
+    for (int x = 0; x < empty.width(); ++x) {
+      const Colour a = empty.at(x, y);
+      const Colour b = full.at(x, y);
+      const int step = a.r - b.r;  // a shadow takes as much off each part
+      if (step <= 8 || std::abs(a.g - b.g - step) >= 4 || std::abs(a.b - b.b - step) >= 4) continue;
+      ++(a.r > a.b + 8 ? on_wall : on_floor);  // the wall is yellowish
+    }
+  }
+  CHECK_BETWEEN(static_cast<double>(on_wall), 1500, 4000);
+  CHECK_BETWEEN(static_cast<double>(on_floor), 2500, 6000);
+}
+
 bool apart(const Tile& a, const Tile& b) {
   return a.x + a.width <= b.x || b.x + b.width <= a.x || a.y + a.height <= b.y || b.y + b.height <= a.y;
 }
@@ -454,6 +553,9 @@ int main() {
   same_bytes();
   files_hold_picture_and_texts();
   film_is_a_whole_apng();
+  unequal_links();
+  smooth_edges_whole_hinges();
+  shadows_and_wall();
   sheets();
   overlay_lies_on_the_reference();
   captions();
