@@ -17,7 +17,7 @@ std::string module_path() {
   std::error_code ignored;
   const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
   const fs::path installed = program.parent_path().parent_path() / ODEVAL_INSTALLED_PAINTER;
-  return fs::exists(installed, ignored) ? installed.string() : ODEVAL_BUILT_PAINTER;
+  return fs::is_regular_file(installed, ignored) ? installed.string() : ODEVAL_BUILT_PAINTER;
 }
 
 }  // namespace

@@ -546,6 +546,14 @@ void captions() {
 }  // namespace
 
 int main() {
+#ifdef ODEVAL_TWIN
+  try {
+    odeval::render::open_painter(16, 16);
+  } catch (const odeval::MachineError& error) {
+    std::printf("skipped: %s\n", error.what());
+    return 77;
+  }
+#endif
   right_handed();
   links_where_mathematics_says();
   nearer_hides_farther();
