@@ -81,9 +81,19 @@ void check_contact_settings() {
   CHECK_NEAR(kept(0, [](OdeSettings& ode) { ode.surface_layer = 0.1; }), 0, 1e-3);
 }
 
+// Without bounce the overlap is pushed out over several steps: one impact all the same.
+void check_long_touch_is_one_impact() {
+  Scenario scenario = test::report_scenario("wall_pendulum", 0.51, 1e-3);
+  scenario.wall->restitution = 0;
+  const catalogue::Evaluation run = run_of(scenario, "ode-step-double");
+  CHECK(std::ranges::count_if(run.trace.contacts, [](double contacts) { return contacts > 0; }) > 1);
+  CHECK_EQUAL(run.outcome.impacts.size(), std::size_t{1});
+}
+
 }  // namespace
 
 int main() {
+  check_long_touch_is_one_impact();
   check_impacts_against_trace(0.9, 0, 1, 1);
   check_impacts_against_trace(0.9, 2 * std::numbers::pi, 1, 1);
   check_impacts_against_trace(0.9, 0, 0.2, 2);  // the link's far end is above the report's wall
