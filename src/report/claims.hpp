@@ -1,0 +1,57 @@
+#pragma once
+// The report's claims and the rules by which measured numbers confirm or refute them.
+//
+// A rule is data: the page prints the conditions that the verdict was computed from, so what is stated and what is
+// computed cannot differ.
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "report/findings.hpp"
+
+namespace odeval::report {
+
+enum class Relation { at_most, at_least };
+
+/// "finding <= bound" or "finding >= bound". With its uncertainty the finding has to lie wholly on one side; where the
+/// bound lies within it, nobody can tell.
+struct Condition {
+  std::string_view finding;
+  Relation relation;
+  double bound;
+};
+
+/// Row of the one table of claims.
+struct Claim {
+  std::string_view id;                      // "C8b"
+  std::string_view where;                   // "§5.7.2"; "odeval" for the project's own
+  std::string_view text;                    // the claim in our own words
+  std::span<const Condition> confirmed_if;  // all of them
+  std::span<const Condition> refuted_if;    // all of them
+  std::string_view
+      reading;  // what the numbers mean for somebody who uses ODE, whatever the verdict; one or two sentences
+  std::string_view evidence;  // anchor of the section or figure that shows it
+};
+
+std::span<const Claim> claims();
+
+enum class Verdict { confirmed, refuted, confirmed_with_limits, not_measured };
+
+struct Judged {
+  const Claim* claim;
+  Verdict verdict;
+  std::vector<const Finding*>
+      findings;         // as the conditions name them, first confirmed_if, each once; null: never measured
+  std::string missing;  // why not_measured
+};
+
+/// confirmed              every condition of confirmed_if holds
+/// refuted                every condition of refuted_if holds
+/// confirmed_with_limits  neither: some of it holds, or the numbers cannot tell
+/// not_measured           a finding that a condition names has no value
+Judged judge(const Claim& claim, const Findings& findings);
+
+std::string_view verdict_text(Verdict verdict);
+
+}  // namespace odeval::report

@@ -1,0 +1,95 @@
+#pragma once
+// What a report page holds, before it is HTML: sections of text, tables, figures and pictures.
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "odeval/trace.hpp"
+
+namespace odeval::report {
+
+/// In the place of a number that could not be had.
+struct Missing {
+  std::string why;
+};
+
+using Cell = std::variant<double, std::string, Missing>;
+
+/// A table of the page, and a file `DIR/report/NAME.csv` with all digits.
+struct Table {
+  std::string name;  // file stem and anchor: "order"
+  std::string title;
+  std::vector<std::string> columns;  // with units: "error until 3 s, rad"
+  std::vector<std::vector<Cell>> rows;
+  std::string note;  // what one has to know to read it; may be empty
+};
+
+enum class Mark { line, points, line_and_points };
+
+/// Points that belong together. A value that is not finite is a gap.
+struct Series {
+  std::string label;
+  Column x;
+  Column y;
+  Mark mark = Mark::line;
+  int colour = -1;  // index of the palette, so that a method has one colour in all figures; < 0: the next one
+  bool dashed = false;
+};
+
+/// From where on a plot no longer tells anything, and why: drawn as a shade with its reason in the caption.
+struct Shade {
+  double from;
+  std::string why;
+};
+
+struct Panel {
+  std::string x_label;
+  std::string y_label;
+  std::vector<Series> series;
+  bool log_x = false;
+  bool log_y = false;
+  bool equal_axes = false;  // one metre across is one metre up
+  std::optional<Shade> shade;
+  std::optional<std::pair<double, double>> y_range;  // absent: all of the data
+};
+
+/// One or more plots that are read together.
+struct Figure {
+  std::string name;  // anchor: "fig-5-13"
+  std::string title;
+  std::string caption;
+  std::vector<Panel> panels;
+  int columns = 1;  // panels beside each other on a wide page
+};
+
+/// A rendered PNG.
+struct Picture {
+  std::string name;
+  std::string title;
+  std::string caption;
+  std::string png;  // bytes
+};
+
+/// A paragraph of plain text; the page escapes it.
+struct Text {
+  std::string text;
+};
+
+using Block = std::variant<Text, Table, Figure, Picture>;
+
+struct Section {
+  std::string name;  // anchor
+  std::string title;
+  std::vector<Block> blocks;
+};
+
+/// Everything a page says besides the claims.
+struct Document {
+  std::vector<Section> sections;
+  std::string command;                                           // the exact command that made it
+  std::vector<std::pair<std::string, std::string>> environment;  // versions and machine, by name
+};
+
+}  // namespace odeval::report
