@@ -43,6 +43,15 @@ struct OdeSettings {
   std::uint32_t seed = 0;
 };
 
+/// Feedback of joint errors in the methods with Lagrange multipliers: C'' = -ks C - kd C' (report, 5.36).
+///
+/// By default an error dies away as fast as it can without overshoot, with a time constant of 10 ms: ten steps of 1 ms,
+/// so that explicit Euler, which is stable up to twice the time constant, damps it well.
+struct MaximalSettings {
+  double ks = 1e4;  // 1/s²
+  double kd = 200;  // 1/s
+};
+
 /// A promise about one metric of one method, enforced by `odeval check`.
 struct Tolerance {
   std::string method;
@@ -65,6 +74,7 @@ struct Scenario {
   std::vector<Link> links;
   std::optional<Wall> wall;
   OdeSettings ode;
+  MaximalSettings maximal;
   std::optional<double> rtol;  // absent: each adaptive method's own default
   std::optional<double> atol;
   std::vector<std::string> methods;

@@ -33,7 +33,7 @@ const Reference& Evaluator::reference() {
 // ODE's stored velocities belong to the middle of the step before (claim O1). The half-step start gives it those: the
 // velocities of t = -h/2, to first order.
 std::unique_ptr<Simulation> Evaluator::make(const Method& method) const {
-  if (method.coordinates != Coordinates::cartesian || scenario_.ode.start != Start::half_step) {
+  if (method.settings != Settings::ode || scenario_.ode.start != Start::half_step) {
     return method.make(scenario_, grid_);
   }
   Scenario earlier = scenario_;

@@ -41,13 +41,13 @@ constexpr auto cartesian = Coordinates::cartesian;
 
 constexpr std::array table{
     Method{"ode-step-double", "ODE bodies and joints", "dWorldStep, double precision", cartesian, 1, 0, 0, every,
-           step_double},
+           step_double, Settings::ode},
     Method{"ode-step-single", "ODE bodies and joints", "dWorldStep, single precision", cartesian, 1, 0, 0, every,
-           step_single},
+           step_single, Settings::ode},
     Method{"ode-quickstep-double", "ODE bodies and joints", "dWorldQuickStep, double precision", cartesian, 1, 0, 0,
-           every, quickstep_double},
+           every, quickstep_double, Settings::ode},
     Method{"ode-quickstep-single", "ODE bodies and joints", "dWorldQuickStep, single precision", cartesian, 1, 0, 0,
-           every, quickstep_single},
+           every, quickstep_single, Settings::ode},
     Method{reference_method, "closed-form Lagrangian", "SUNDIALS CVODE, Adams: the reference", generalized, 0,
            reference::tight_tolerances.rtol, reference::tight_tolerances.atol, every, reference::make_cvode},
     Method{"lagrange-quad", "closed-form Lagrangian", "extrapolation in quad precision: certifies the reference",

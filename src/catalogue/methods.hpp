@@ -9,6 +9,10 @@
 
 namespace odeval::catalogue {
 
+/// The table of the scenario file that a method obeys besides what holds for all. Those that obey [ode] step as ODE
+/// does: their stored velocities belong to half a step before (claim O1), and the half-step start is for them.
+enum class Settings { none, ode, maximal };
+
 struct Method {
   std::string_view name;
   std::string_view formulation;
@@ -19,6 +23,7 @@ struct Method {
   double atol;
   bool (*claims)(const Problem&);  // which problems it does
   MakeSimulation make;             // null: left out of this build
+  Settings settings = Settings::none;
 };
 
 /// The name of the method that every error is measured against.

@@ -15,7 +15,8 @@ RunSummary summarise(const Evaluation& run, Evaluator& evaluator) {
   summary.grid = evaluator.grid();
   summary.method = method.name;
   summary.is_reference = method.name == reference_method && !scenario.rtol && !scenario.atol;
-  summary.uses_ode = method.coordinates == Coordinates::cartesian;
+  summary.uses_ode = method.settings == Settings::ode;
+  summary.uses_maximal = method.settings == Settings::maximal;
   summary.rtol = in_effect(scenario.rtol, method.rtol);
   summary.atol = in_effect(scenario.atol, method.atol);
   summary.outcome = run.outcome;

@@ -72,8 +72,13 @@ void json_has_the_keys_of_the_interface() {
 
   RunSummary other = example();
   other.uses_ode = false;
+  other.uses_maximal = true;
+  other.scenario.maximal = {25, 10};
   other.rtol = 1e-3;
   CHECK(!json::parse(summary_json(other))["settings"].contains("ode"));
+  CHECK(!run["settings"].contains("maximal"));
+  CHECK_EQUAL(json::parse(summary_json(other))["settings"]["maximal"]["ks"].get<double>(), 25.0);
+  CHECK_EQUAL(json::parse(summary_json(other))["settings"]["maximal"]["kd"].get<double>(), 10.0);
   CHECK_EQUAL(json::parse(summary_json(other))["settings"]["rtol"].get<double>(), 1e-3);
 }
 
