@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "catalogue/accurate_method.hpp"
 #include "engine_ode/module.hpp"
 #include "odeval/error.hpp"
 #include "reference/analytic.hpp"
@@ -48,6 +49,8 @@ constexpr std::array table{
            every, quickstep_double, Settings::ode},
     Method{"ode-quickstep-single", "ODE bodies and joints", "dWorldQuickStep, single precision", cartesian, 1, 0, 0,
            every, quickstep_single, Settings::ode},
+    Method{"ode-rk4-double", "ODE bodies and joints", "odeval's Runge-Kutta step beside ODE's collision detection",
+           cartesian, 4, 0, 0, every, make_accurate, Settings::ode_bounce},
     Method{reference_method, "closed-form Lagrangian", "SUNDIALS CVODE, Adams: the reference", generalized, 0,
            reference::tight_tolerances.rtol, reference::tight_tolerances.atol, every, reference::make_cvode},
     Method{"lagrange-quad", "closed-form Lagrangian", "extrapolation in quad precision: certifies the reference",

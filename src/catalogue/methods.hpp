@@ -11,7 +11,12 @@ namespace odeval::catalogue {
 
 /// The table of the scenario file that a method obeys besides what holds for all. Those that obey [ode] step as ODE
 /// does: their stored velocities belong to half a step before (claim O1), and the half-step start is for them.
-enum class Settings { none, ode, maximal };
+enum class Settings {
+  none,
+  ode,
+  ode_bounce,  // of [ode] the bounce alone
+  maximal,
+};
 
 struct Method {
   std::string_view name;

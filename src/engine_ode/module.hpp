@@ -3,6 +3,7 @@
 // hide every symbol but one function, since both precisions of ODE use the same names. No ODE type crosses this line.
 #include <cstddef>
 
+#include "engine_ode/world_stepper.hpp"
 #include "odeval/method.hpp"
 
 namespace odeval::engine_ode {
@@ -13,6 +14,8 @@ struct Module {
   const char* configuration;      // ODE's configuration tokens
   MakeSimulation make_step;       // dWorldStep
   MakeSimulation make_quickstep;  // dWorldQuickStep
+  /// The same world, moved by another stepper.
+  std::unique_ptr<Simulation> (*make_stepped)(const Scenario&, const SampleGrid&, MakeStepper);
 };
 
 /// The modules of this build. Each checks on first use that headers and library have its precision and throws

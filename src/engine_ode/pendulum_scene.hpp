@@ -26,6 +26,7 @@ class PendulumScene {
   PendulumScene& operator=(const PendulumScene&) = delete;
 
   dWorldID world() const { return world_; }
+  dSpaceID space() const { return space_; }
   const std::vector<BodyView>& bodies() const { return bodies_; }
 
   /// Finds the contacts of the current pose and makes a bounce joint of each; they act in the next step.

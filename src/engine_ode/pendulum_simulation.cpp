@@ -26,6 +26,19 @@ class PendulumSimulation final : public Simulation {
     follow_angles();
   }
 
+  /// Moved by another stepper instead.
+  PendulumSimulation(const Scenario& scenario, const SampleGrid& grid, MakeStepper make_stepper)
+      : PendulumSimulation(scenario, grid, StepFunction{}) {
+    SteppedWorld world{scene_.world(), scene_.space(), {}, {}, {}};
+    if (scenario.wall) world.restitution = scenario.ode.bounce.value_or(scenario.wall->restitution);
+    world.before_impact = [this](double after_s) {
+      ++contacts_;
+      impacts_.push_back({time_of(stepper_steps_) + after_s, angle(), rate(), 0, 0});
+    };
+    world.after_impact = [this] { impacts_.back().qd_after = rate(); };
+    stepper_ = make_stepper(world);
+  }
+
   Outcome run(Rows* rows) override {
     Outcome outcome;
     const long messages_before = message_count();
@@ -34,7 +47,11 @@ class PendulumSimulation final : public Simulation {
     try {
       for (long row = 1; row < grid_.rows; ++row) {
         for (long k = 0; k < grid_.stride; ++k) {
-          if (scenario_.wall) {
+          if (stepper_) {
+            contacts_ = 0;
+            stepper_->step(grid_.step_s);
+            ++stepper_steps_;
+          } else if (scenario_.wall) {
             step_with_wall(outcome.steps);
           } else {
             step_(scene_.world(), static_cast<dReal>(grid_.step_s));
@@ -49,9 +66,13 @@ class PendulumSimulation final : public Simulation {
       }
     } catch (const Fault& fault) {
       outcome.diverged = true;
-      outcome.reason = fault.what() + std::string(" in the step from t = ") +
-                       std::to_string(static_cast<double>(outcome.steps) * grid_.step_s) + " s";
+      outcome.reason =
+          fault.what() + std::string(" in the step from t = ") + std::to_string(time_of(outcome.steps)) + " s";
       scene_.abandon();
+    } catch (const std::runtime_error& refused) {  // of a stepper, which leaves the world sound
+      outcome.diverged = true;
+      outcome.reason =
+          refused.what() + std::string(" in the step from t = ") + std::to_string(time_of(outcome.steps)) + " s";
     }
     outcome.messages = message_count() - messages_before;
     outcome.impacts = std::move(impacts_);
@@ -59,13 +80,16 @@ class PendulumSimulation final : public Simulation {
   }
 
  private:
+  double time_of(long steps) const { return static_cast<double>(steps) * grid_.step_s; }
+
   // An impact is a run of steps with contacts; its first step carries the bounce.
   void step_with_wall(long steps_done) {
     scene_.collide();
     const bool first_touch = scene_.contacts() > 0 && !touching_;
-    touching_ = scene_.contacts() > 0;
+    contacts_ = scene_.contacts();
+    touching_ = contacts_ > 0;
     if (first_touch) {
-      impacts_.push_back({static_cast<double>(steps_done) * grid_.step_s, angle(), rate(), 0, scene_.depth()});
+      impacts_.push_back({time_of(steps_done), angle(), rate(), 0, scene_.depth()});
     }
     step_(scene_.world(), static_cast<dReal>(grid_.step_s));
     scene_.clear_contacts();
@@ -103,7 +127,7 @@ class PendulumSimulation final : public Simulation {
       for (int k = 0; k < 3; ++k) *row++ = body.joint_force[k];
       *row++ = angles_[i];
     }
-    *row = scene_.contacts();
+    *row = contacts_;
   }
 
   // No step led to t = 0: its row shows the force of the first step instead of a zero nobody measured.
@@ -147,10 +171,14 @@ class PendulumSimulation final : public Simulation {
   PendulumScene scene_;
   std::vector<double> angles_;  // absolute, of each link, as the steps have turned it
   std::vector<Impact> impacts_;
+  std::unique_ptr<WorldStepper> stepper_;
+  long stepper_steps_ = 0;
+  int contacts_ = 0;  // in the last step
   bool touching_ = false;
 };
 
-std::unique_ptr<Simulation> make(const Scenario& scenario, const SampleGrid& grid, StepFunction step) try {
+template <class Step>
+std::unique_ptr<Simulation> make(const Scenario& scenario, const SampleGrid& grid, Step step) try {
   return std::make_unique<PendulumSimulation>(scenario, grid, step);
 } catch (const Fault& fault) {
   throw MachineError("scenario '" + scenario.name + "' can not be built: " + fault.what());
@@ -159,11 +187,15 @@ std::unique_ptr<Simulation> make(const Scenario& scenario, const SampleGrid& gri
 }  // namespace
 
 std::unique_ptr<Simulation> make_step(const Scenario& scenario, const SampleGrid& grid) {
-  return make(scenario, grid, &dWorldStep);
+  return make<StepFunction>(scenario, grid, &dWorldStep);
 }
 
 std::unique_ptr<Simulation> make_quickstep(const Scenario& scenario, const SampleGrid& grid) {
-  return make(scenario, grid, &dWorldQuickStep);
+  return make<StepFunction>(scenario, grid, &dWorldQuickStep);
+}
+
+std::unique_ptr<Simulation> make_stepped(const Scenario& scenario, const SampleGrid& grid, MakeStepper make_stepper) {
+  return make(scenario, grid, make_stepper);
 }
 
 }  // namespace odeval::engine_ode

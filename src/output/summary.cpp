@@ -62,6 +62,9 @@ Json settings(const RunSummary& run) {
   for (const Link& link : scenario.links) json["links"].push_back(json_of(link));
   if (scenario.wall) json["wall"] = {{"face", scenario.wall->face_m}, {"restitution", scenario.wall->restitution}};
   if (run.uses_ode) json["ode"] = ode_settings(scenario);
+  if (run.uses_bounce) {
+    json["ode"] = {{"bounce", json_number(scenario.ode.bounce.value_or(scenario.wall->restitution))}};
+  }
   if (run.uses_maximal) json["maximal"] = {{"ks", scenario.maximal.ks}, {"kd", scenario.maximal.kd}};
   return json;
 }

@@ -26,6 +26,7 @@ struct RunSummary {
   std::string method;
   bool is_reference = false;   // the others' errors are differences from this run
   bool uses_ode = false;       // whether [ode] settings took effect
+  bool uses_bounce = false;    // of those the bounce alone
   bool uses_maximal = false;   // whether [maximal] settings took effect
   std::optional<double> rtol;  // in effect; absent for a fixed step
   std::optional<double> atol;

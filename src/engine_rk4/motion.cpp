@@ -1,0 +1,229 @@
+#include "engine_rk4/motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace odeval::engine_rk4 {
+namespace {
+
+// Rows that repeat others leave a pivot of rounding, 1e-16 of their diagonal element times the growth of elimination;
+// a mechanism is within 1e-12 of a singular pose for no longer than it takes to pass it.
+constexpr double redundant_pivot = 1e-12;
+
+Eigen::Vector4d turn_rate(const Vector3d& w, const Eigen::Vector4d& q) {
+  const Vector3d v = q.tail<3>();
+  Eigen::Vector4d rate;
+  rate[0] = -0.5 * w.dot(v);
+  rate.tail<3>() = 0.5 * (q[0] * w + w.cross(v));
+  return rate;
+}
+
+/// A turn by a small rotation vector in the world, exact in its angle.
+void turn_by(const Vector3d& angle, Eigen::Vector4d& q) {
+  const double size = angle.norm();
+  const double half = size / 2;
+  const double sine = size > 0 ? std::sin(half) / size : 0.5;
+  const double w = std::cos(half);
+  const Vector3d u = sine * angle;
+  const Vector3d v = q.tail<3>();
+  const double scalar = w * q[0] - u.dot(v);
+  q.tail<3>() = w * v + q[0] * u + u.cross(v);
+  q[0] = scalar;
+  q.normalize();
+}
+
+}  // namespace
+
+Motion::Motion(Mechanism mechanism)
+    : mechanism_(std::move(mechanism)), matrix_(mechanism_.joints.size(), mechanism_.neighbours) {
+  const std::size_t bodies = mechanism_.bodies.size();
+  const std::size_t joints = mechanism_.joints.size();
+  turns_.resize(bodies);
+  inverse_inertias_.resize(bodies);
+  acceleration_.resize(bodies);
+  correction_.resize(bodies);
+  stage_.resize(bodies);
+  sum_.resize(bodies);
+  rows_.resize(joints);
+  rows_of_stage_.resize(joints);
+  weighted_.resize(joints);
+  lambda_.resize(joints);
+  stage_lambda_.resize(joints);
+}
+
+void Motion::look(const State& state) {
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    turns_[i] = rotation(state[i].pose.turn);
+    inverse_inertias_[i].noalias() = turns_[i] * mechanism_.bodies[i].inverse_inertia * turns_[i].transpose();
+  }
+  for (std::size_t j = 0; j < rows_.size(); ++j) constrain(mechanism_.joints[j], state, turns_, rows_[j]);
+}
+
+void Motion::factor() {
+  matrix_.clear();
+  const auto weigh = [this](const Matrix6& row, std::size_t body, Matrix6& weighted) {
+    weighted.leftCols<3>() = mechanism_.bodies[body].inverse_mass * row.leftCols<3>();
+    weighted.rightCols<3>().noalias() = row.rightCols<3>() * inverse_inertias_[body];
+  };
+  for (std::size_t j = 0; j < rows_.size(); ++j) {
+    const Joint& joint = mechanism_.joints[j];
+    Matrix6& diagonal = matrix_.diagonal(j);
+    weigh(rows_[j].of_a, joint.a, weighted_[j][0]);
+    diagonal.noalias() = weighted_[j][0] * rows_[j].of_a.transpose();
+    if (joint.b != world_body) {
+      weigh(rows_[j].of_b, joint.b, weighted_[j][1]);
+      diagonal.noalias() += weighted_[j][1] * rows_[j].of_b.transpose();
+    }
+    for (Eigen::Index k = joint.rows(); k < 6; ++k) diagonal(k, k) = 1;
+  }
+  for (std::size_t p = 0; p < mechanism_.neighbours.size(); ++p) {
+    auto [i, j] = mechanism_.neighbours[p];
+    if (!matrix_.first_has_rows(p)) std::swap(i, j);
+    const Joint& one = mechanism_.joints[i];
+    const Joint& other = mechanism_.joints[j];
+    Matrix6& block = matrix_.pair(p);
+    const auto add = [&](std::size_t body, const Matrix6& weighted) {
+      if (body == world_body) return;
+      if (body == other.a) block.noalias() += weighted * rows_[j].of_a.transpose();
+      if (body == other.b) block.noalias() += weighted * rows_[j].of_b.transpose();
+    };
+    add(one.a, weighted_[i][0]);
+    add(one.b, weighted_[i][1]);
+  }
+  matrix_.factor(redundant_pivot);
+}
+
+void Motion::solve_onto(std::vector<Twist>& twists) {
+  const auto add = [](const Matrix6& row, const Twist& twist, Vector6& to) {
+    to.noalias() += row.leftCols<3>() * twist.linear;
+    to.noalias() += row.rightCols<3>() * twist.angular;
+  };
+  for (std::size_t j = 0; j < rows_.size(); ++j) {
+    const Joint& joint = mechanism_.joints[j];
+    add(rows_[j].of_a, twists[joint.a], lambda_[j]);
+    if (joint.b != world_body) add(rows_[j].of_b, twists[joint.b], lambda_[j]);
+    lambda_[j] = -lambda_[j];
+  }
+  matrix_.solve(lambda_);
+  const auto push = [](const Matrix6& weighted, const Vector6& lambda, Twist& twist) {
+    twist.linear.noalias() += weighted.leftCols<3>().transpose() * lambda;
+    twist.angular.noalias() += weighted.rightCols<3>().transpose() * lambda;
+  };
+  for (std::size_t j = 0; j < rows_.size(); ++j) {
+    const Joint& joint = mechanism_.joints[j];
+    push(weighted_[j][0], lambda_[j], twists[joint.a]);
+    if (joint.b != world_body) push(weighted_[j][1], lambda_[j], twists[joint.b]);
+  }
+}
+
+void Motion::accelerate(const State& state, const std::vector<Wrench>& forces) {
+  look(state);
+  factor();
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    const Body& body = mechanism_.bodies[i];
+    const Vector3d& w = state[i].twist.angular;
+    const Vector3d spin = turns_[i] * (body.inertia * (turns_[i].transpose() * w));
+    acceleration_[i].linear = body.inverse_mass * forces[i].force;
+    acceleration_[i].angular.noalias() = inverse_inertias_[i] * (forces[i].torque - w.cross(spin));
+  }
+  for (std::size_t j = 0; j < rows_.size(); ++j) lambda_[j] = rows_[j].bias;
+  solve_onto(acceleration_);
+}
+
+double Motion::step(const State& from, const std::vector<Wrench>& forces, double h, State& to) {
+  constexpr double at[] = {0, 0.5, 0.5, 1};
+  constexpr double weight[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+  const std::size_t bodies = from.size();
+  to = from;
+  double start_error = 0;
+  for (int s = 0; s < 4; ++s) {
+    const double c = at[s] * h;
+    for (std::size_t i = 0; i < bodies; ++i) {
+      const BodyNow& start = from[i];
+      BodyNow& here = stage_[i];
+      if (s == 0) {
+        here = start;
+        continue;
+      }
+      // acceleration_ and `here` still hold the stage before.
+      const Vector3d linear = here.twist.linear;
+      const Eigen::Vector4d turning = turn_rate(here.twist.angular, here.pose.turn);
+      here.pose.position = start.pose.position + c * linear;
+      here.pose.turn = start.pose.turn + c * turning;
+      here.twist.linear = start.twist.linear + c * acceleration_[i].linear;
+      here.twist.angular = start.twist.angular + c * acceleration_[i].angular;
+    }
+    accelerate(stage_, forces);
+    if (s == 0) start_error = largest_error();
+    const double part = weight[s] * h;
+    for (std::size_t i = 0; i < bodies; ++i) {
+      to[i].pose.position += part * stage_[i].twist.linear;
+      to[i].pose.turn += part * turn_rate(stage_[i].twist.angular, stage_[i].pose.turn);
+      to[i].twist.linear += part * acceleration_[i].linear;
+      to[i].twist.angular += part * acceleration_[i].angular;
+    }
+  }
+  std::swap(stage_lambda_, lambda_);
+  std::swap(rows_of_stage_, rows_);
+  for (BodyNow& body : to) body.pose.turn.normalize();
+  project(to, 1);
+  return start_error;
+}
+
+double Motion::largest_error() const {
+  double largest = 0;
+  for (const JointRows& rows : rows_) largest = std::max(largest, rows.error.cwiseAbs().maxCoeff());
+  return largest;
+}
+
+void Motion::displace(const std::vector<Twist>& by, State& state) {
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    state[i].pose.position += by[i].linear;
+    turn_by(by[i].angular, state[i].pose.turn);
+  }
+  project(state, 3);
+}
+
+double Motion::project(State& state, int most) {
+  double first = 0;
+  look(state);
+  factor();
+  for (int round = 0; round < most; ++round) {
+    const double largest = largest_error();
+    for (std::size_t j = 0; j < rows_.size(); ++j) lambda_[j] = rows_[j].error;
+    if (round == 0) first = largest;
+    if (round > 0 && largest < 1e-15) break;
+    for (Twist& twist : correction_) twist = {Vector3d::Zero(), Vector3d::Zero()};
+    solve_onto(correction_);
+    for (std::size_t i = 0; i < state.size(); ++i) {
+      state[i].pose.position += correction_[i].linear;
+      turn_by(correction_[i].angular, state[i].pose.turn);
+    }
+    if (round + 1 < most) {
+      look(state);
+      factor();
+    }
+  }
+  for (std::size_t i = 0; i < state.size(); ++i) correction_[i] = state[i].twist;
+  for (Vector6& lambda : lambda_) lambda.setZero();
+  solve_onto(correction_);
+  for (std::size_t i = 0; i < state.size(); ++i) state[i].twist = correction_[i];
+  return first;
+}
+
+void Motion::respond(const std::vector<Wrench>& impulses, std::vector<Twist>& change) {
+  change.resize(impulses.size());
+  for (std::size_t i = 0; i < impulses.size(); ++i) {
+    change[i].linear = mechanism_.bodies[i].inverse_mass * impulses[i].force;
+    change[i].angular = inverse_inertias_[i] * impulses[i].torque;
+  }
+  for (Vector6& lambda : lambda_) lambda.setZero();
+  solve_onto(change);
+}
+
+Wrench Motion::force(const Matrix6& row, std::size_t joint) const {
+  const Vector6 f = row.transpose() * stage_lambda_[joint];
+  return {f.head<3>(), f.tail<3>()};
+}
+
+}  // namespace odeval::engine_rk4

@@ -1,0 +1,219 @@
+// The accurate step against motions known otherwise: order of convergence at least 3.9.
+#include <array>
+#include <boost/math/special_functions/jacobi_elliptic.hpp>
+#include <complex>
+#include <cstdio>
+#include <functional>
+#include <numbers>
+
+#include "engine_rk4/accurate_step.hpp"
+#include "reference/cvode_solver.hpp"
+#include "reference/dual.hpp"
+#include "tests/accurate/spatial_chain.hpp"
+#include "tests/accurate/worlds.hpp"
+#include "tests/check.hpp"
+
+namespace {
+
+using namespace odeval::test;
+using odeval::AccurateStep;
+
+/// Checks that halving the step divides the error of `run` by 2^3.9 at least, twice, and that the finest is below
+/// `at_most`.
+void check_order(const char* what, const std::function<double(double h)>& error, double h, double at_most) {
+  const std::array<double, 3> errors{error(h), error(h / 2), error(h / 4)};
+  const double first = order(errors[0], errors[1], 2);
+  const double second = order(errors[1], errors[2], 2);
+  std::printf("%-28s %.3g %.3g %.3g: order %.2f, %.2f\n", what, errors[0], errors[1], errors[2], first, second);
+  CHECK_BETWEEN(first, 3.9, 5.5);
+  CHECK_BETWEEN(second, 3.9, 5.5);
+  CHECK_BETWEEN(errors[2], 0, at_most);
+}
+
+/// Moves a world to t.
+void run(World& world, double t, double h) {
+  AccurateStep step(world.id, world.space);
+  for (long k = 0; k < std::lround(t / h); ++k) step(h);
+}
+
+// Euler's equations of a free body in Jacobi elliptic functions (Landau & Lifshitz, Mechanics, 37): I1 < I2 < I3,
+// L^2 > 2 E I2, w2(0) = 0.
+double free_body(double h) {
+  constexpr double t = 4;
+  World world(Vector3d::Zero());
+  const Vector3d spin(0.4, 0, 3);
+  const dBodyID body =
+      world.box(2, {1, 0.3, 0.1}, {0, 0, 1}, Quaterniond(Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized())));
+  dMass m;
+  dBodyGetMass(body, &m);
+  const double i1 = m.I[0], i2 = m.I[5], i3 = m.I[10];
+  World::move(body, {0.1, 0.2, 0.3}, World::turn(body) * spin);
+  const Vector3d angular = World::inertia(body) * vec(dBodyGetAngularVel(body));
+  run(world, t, h);
+
+  const double twice_e = i1 * spin[0] * spin[0] + i3 * spin[2] * spin[2];
+  const double l2 = i1 * i1 * spin[0] * spin[0] + i3 * i3 * spin[2] * spin[2];
+  CHECK(l2 > twice_e * i2 && i1 < i2 && i2 < i3);
+  const double rate = std::sqrt((i3 - i2) * (l2 - twice_e * i1) / (i1 * i2 * i3));
+  const double k = std::sqrt((i2 - i1) * (twice_e * i3 - l2) / ((i3 - i2) * (l2 - twice_e * i1)));
+  double cn, dn;
+  const double sn = boost::math::jacobi_elliptic(k, rate * t, &cn, &dn);
+  const Vector3d wanted(spin[0] * cn, std::sqrt((twice_e * i3 - l2) / (i2 * (i3 - i2))) * sn, spin[2] * dn);
+  const Vector3d w = World::turn(body).conjugate() * vec(dBodyGetAngularVel(body));
+  // The body turns as its angular momentum keeps its direction in the world.
+  const Vector3d kept = World::turn(body) * Vector3d(i1 * wanted[0], i2 * wanted[1], i3 * wanted[2]);
+  return std::max((w - wanted).norm(), (kept - angular).norm());
+}
+
+/// A planar four-bar linkage: crank, coupler, rocker; three of its twenty joint equations repeat others.
+struct FourBar {
+  static constexpr double ground = 1.0, crank = 0.4, coupler = 1.1, rocker = 0.8, width = 0.1, g = 9.81;
+  using Dual = odeval::reference::Dual<double, 1>;
+
+  /// Angles of coupler and rocker at a crank angle.
+  static std::array<double, 2> angles(double theta) {
+    const std::complex<double> b = std::polar(crank, theta);
+    const std::complex<double> to_d = ground - b;
+    const double r = std::abs(to_d);
+    const double at_b = std::acos((coupler * coupler + r * r - rocker * rocker) / (2 * coupler * r));
+    const double phi = std::arg(to_d) + at_b;
+    return {phi, std::arg(b + std::polar(coupler, phi) - ground)};
+  }
+
+  /// Angular acceleration by Lagrange's equation in the crank angle: m(t) t'' + m'(t) t'^2 / 2 + V'(t) = 0.
+  static double acceleration(double theta, double rate) {
+    const auto [phi_value, psi_value] = angles(theta);
+    const Dual t(theta, 0);
+    const double phi_rate = -crank * std::sin(theta - psi_value) / (coupler * std::sin(phi_value - psi_value));
+    const double psi_rate = crank * std::sin(theta - phi_value) / (rocker * std::sin(psi_value - phi_value));
+    const Dual phi = t.chain(phi_value, phi_rate);
+    const Dual psi = t.chain(psi_value, psi_rate);
+    // Rates by t, again as functions of t.
+    const Dual phi1 = -(crank * sin(t - psi)) / (coupler * sin(phi - psi));
+    const Dual psi1 = crank * sin(t - phi) / (rocker * sin(psi - phi));
+    const auto inertia = [](double l) { return (l * l + width * width) / 12; };  // of 1 kg
+    const Dual one(1.0);
+    Dual mass = one * (inertia(crank) + crank * crank / 4) + psi1 * psi1 * (inertia(rocker) + rocker * rocker / 4) +
+                phi1 * phi1 * inertia(coupler);
+    // Centre of the coupler: crank e^it + coupler/2 e^i phi.
+    const Dual y1 = -(crank * sin(t)) - coupler / 2 * phi1 * sin(phi);
+    const Dual z1 = crank * cos(t) + coupler / 2 * phi1 * cos(phi);
+    mass += y1 * y1 + z1 * z1;
+    const Dual height = crank / 2 * sin(t) + (crank * sin(t) + coupler / 2 * sin(phi)) + rocker / 2 * sin(psi);
+    return -(mass.slope[0] * rate * rate / 2 + g * height.slope[0]) / mass.value;
+  }
+
+  static double reference(double theta, double t) {
+    odeval::reference::CvodeSolver solver(
+        2, [](const double* y, double* f) { f[0] = y[1], f[1] = acceleration(y[0], y[1]); }, {1e-13, 1e-14}, "four-bar",
+        t);
+    const std::array<double, 2> start{theta, 0};
+    solver.start(0, start.data());
+    while (solver.end() < t) solver.step();
+    std::array<double, 2> y;
+    solver.interpolate(t, y.data());
+    return y[0];
+  }
+
+  static double error(double h) {
+    constexpr double start = 0.9, t = 1;
+    World world;
+    const auto [phi, psi] = angles(start);
+    const auto link = [&](double y, double z, double angle, double length) {
+      const Vector3d along(0, std::cos(angle), std::sin(angle));
+      return world.box(1, {0.1, length, width}, Vector3d(0, y, z) + length / 2 * along,
+                       Quaterniond(Eigen::AngleAxisd(angle, Vector3d::UnitX())));
+    };
+    const Vector3d b(0, crank * std::cos(start), crank * std::sin(start));
+    const Vector3d c = b + coupler * Vector3d(0, std::cos(phi), std::sin(phi));
+    const dBodyID one = link(0, 0, start, crank);
+    const dBodyID two = link(b[1], b[2], phi, coupler);
+    const dBodyID three = link(ground, 0, psi, rocker);
+    world.hinge(one, nullptr, {0, 0, 0}, Vector3d::UnitX());
+    world.hinge(one, two, b, Vector3d::UnitX());
+    world.hinge(two, three, c, Vector3d::UnitX());
+    world.hinge(three, nullptr, {0, ground, 0}, Vector3d::UnitX());
+    run(world, t, h);
+    const Vector3d along = World::turn(one) * Vector3d::UnitY();
+    static const double wanted = reference(start, t);
+    const double angle = std::atan2(along[2], along[1]);
+    return std::fabs(std::remainder(angle - wanted, 2 * std::numbers::pi));
+  }
+};
+
+Eigen::Matrix3d box_inertia(double mass, const Vector3d& sides) {
+  const Vector3d s = sides.cwiseProduct(sides);
+  return (mass / 12 * Vector3d(s[1] + s[2], s[0] + s[2], s[0] + s[1])).asDiagonal();
+}
+
+/// Boxes in a row, each on `per_joint` hinges whose axes differ from link to link; at rest at first.
+template <std::size_t Links, std::size_t PerJoint>
+struct RowOfBoxes {
+  static constexpr std::size_t n = Links * PerJoint;
+  using Chain = SpatialChain<n>;
+  static constexpr double mass = 1.2, g = 9.81;
+  static inline const Vector3d sides{0.1, 0.3, 0.5};
+  static inline const Vector3d near{0.02, -0.1, 0.25};  // of a box's hinge from its centre
+
+  static Chain chain() {
+    std::array<typename Chain::Hinge, n> hinges;
+    for (std::size_t i = 0; i < n; ++i) {
+      const bool first = i % PerJoint == 0;
+      const bool last = i % PerJoint == PerJoint - 1;
+      const auto d = static_cast<double>(i);
+      hinges[i].axis = PerJoint == 3 ? Vector3d::Unit(static_cast<Eigen::Index>(i % 3))
+                                     : Vector3d(std::cos(d), std::sin(2 * d), 0.7 - 0.3 * d).normalized();
+      hinges[i].offset = i == 0 || !first ? Vector3d::Zero() : Vector3d(-2 * near);
+      if (!last) continue;
+      hinges[i].mass = mass;
+      hinges[i].centre = -near;
+      hinges[i].inertia = box_inertia(mass, sides);
+    }
+    return Chain(hinges, g);
+  }
+
+  /// Largest distance of a box's centre from where it should be, m, and of its axes.
+  static double error(double h) {
+    constexpr double t = 1;
+    static const Chain lagrange = chain();
+    typename Chain::Vector start = Chain::Vector::Zero();
+    for (std::size_t i = 0; i < n; ++i) start[static_cast<Eigen::Index>(i)] = 0.9 - 0.3 * static_cast<double>(i % 4);
+    static const auto wanted = lagrange.frames(lagrange.at(t, start, Chain::Vector::Zero()));
+
+    World world({0, 0, -g});
+    const auto frames = lagrange.frames(start);
+    dBodyID before = nullptr;
+    for (std::size_t link = 0; link < Links; ++link) {
+      const auto& frame = frames[link * PerJoint + PerJoint - 1];
+      const dBodyID body = world.box(mass, sides, frame.centre, Quaterniond(frame.turn));
+      // Either order of the two bodies, and either place of the world.
+      const dBodyID a = link % 2 == 0 ? body : before;
+      const dBodyID b = link % 2 == 0 ? before : body;
+      if (PerJoint == 3) {
+        world.ball(a, b, frame.hinge);
+      } else {
+        world.hinge(a, b, frame.hinge, frame.axis);
+      }
+      before = body;
+    }
+    run(world, t, h);
+    double worst = 0;
+    for (std::size_t link = 0; link < Links; ++link) {
+      const auto& frame = wanted[link * PerJoint + PerJoint - 1];
+      const dBodyID body = world.bodies[link];
+      worst = std::max(worst, (vec(dBodyGetPosition(body)) - frame.centre).norm());
+      worst = std::max(worst, (World::turn(body).toRotationMatrix() - frame.turn).norm());
+    }
+    return worst;
+  }
+};
+
+}  // namespace
+
+int main() {
+  check_order("free asymmetric body", free_body, 8e-3, 1e-7);
+  check_order("5 boxes, oblique hinges", RowOfBoxes<5, 1>::error, 4e-3, 1e-6);
+  check_order("2 boxes, ball joints", RowOfBoxes<2, 3>::error, 4e-3, 1e-6);
+  check_order("four-bar, a closed loop", FourBar::error, 8e-3, 1e-7);
+  return odeval::test::verdict();
+}

@@ -1,0 +1,138 @@
+// What the accurate step costs beside dWorldStep, and what the cost buys.
+//
+//   odeval-accurate-cost [ROUNDS]
+//
+// Interleaved in one run: the double pendulum stepped by both; accuracy at equal CPU time (dWorldStep at h = 1e-4,
+// until t = 2); cost per step on chains of 8 to 128 links with a fitted exponent. Prints medians and judges nothing.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+#include "catalogue/evaluation.hpp"
+#include "catalogue/paths.hpp"
+#include "cli/settings.hpp"
+#include "engine_rk4/accurate_step.hpp"
+#include "measure/spread.hpp"
+#include "odeval/metrics.hpp"
+#include "scenario/read_scenario.hpp"
+#include "tests/accurate/worlds.hpp"
+
+namespace {
+
+using odeval::median;
+using odeval::catalogue::cpu_seconds;
+using odeval::catalogue::Evaluator;
+
+odeval::Scenario double_pendulum(double h, double duration) {
+  odeval::Scenario scenario = odeval::read_scenario(odeval::catalogue::scenario_folder() / "double_pendulum.toml", {},
+                                                    odeval::cli::known_names());
+  scenario.step_s = h;
+  scenario.duration_s = duration;
+  return scenario;
+}
+
+double seconds(const Evaluator& evaluator, const char* method) {
+  const auto simulation = evaluator.make(odeval::catalogue::find_method(method));
+  const double start = cpu_seconds();
+  simulation->run(nullptr);
+  return cpu_seconds() - start;
+}
+
+double error(Evaluator& evaluator, const char* method, double until) {
+  const auto run = evaluator.evaluate(odeval::catalogue::find_method(method));
+  return evaluator.measure(run, until).max_error_q.value();
+}
+
+void per_step(int rounds) {
+  const Evaluator evaluator(double_pendulum(1e-3, 10));
+  std::vector<double> ratios, ode, accurate;
+  for (int round = -1; round < rounds; ++round) {
+    const double a = seconds(evaluator, "ode-step-double");
+    const double b = seconds(evaluator, "ode-rk4-double");
+    if (round < 0) continue;
+    ode.push_back(1e6 * a / 10000);
+    accurate.push_back(1e6 * b / 10000);
+    ratios.push_back(b / a);
+  }
+  fmt::print("double_pendulum  dWorldStep {:.2f} us/step, accurate {:.2f} us/step: {:.2f} x (median of ratios)\n",
+             median(ode), median(accurate), median(ratios));
+}
+
+/// Finds the step whose run takes at most as long as dWorldStep's at 1e-4, and compares errors until t = 2.
+void equal_time(int rounds) {
+  Evaluator fine(double_pendulum(1e-4, 2));
+  const double ode_error = error(fine, "ode-step-double", 2);
+  for (const long steps : {4000L, 5000L, 6000L}) {
+    Evaluator coarse(double_pendulum(2.0 / static_cast<double>(steps), 2));
+    std::vector<double> ratios;
+    for (int round = -1; round < rounds; ++round) {
+      const double a = seconds(fine, "ode-step-double");
+      const double b = seconds(coarse, "ode-rk4-double");
+      if (round >= 0) ratios.push_back(b / a);
+    }
+    const double accurate_error = error(coarse, "ode-rk4-double", 2);
+    fmt::print(
+        "until t = 2      dWorldStep h = 1e-4: {:.3g} rad; accurate h = {:.3g}: {:.3g} rad in {:.2f} x its time: "
+        "{:.3g} x more accurate\n",
+        ode_error, 2.0 / static_cast<double>(steps), accurate_error, median(ratios), ode_error / accurate_error);
+  }
+}
+
+void chains(int rounds) {
+  using namespace odeval::test;
+  std::vector<double> logs_n, logs_accurate, logs_ode;
+  for (const int n : {8, 16, 32, 64, 128}) {
+    World one, other;
+    for (World* world : {&one, &other}) {
+      dWorldSetERP(world->id, 0.2);
+      dWorldSetCFM(world->id, 1e-10);
+      dBodyID before = nullptr;
+      for (int i = 0; i < n; ++i) {
+        const dBodyID link = world->box(1, {0.1, 1, 0.1}, {0, 0.5 + i, 0});
+        world->hinge(before == nullptr ? link : before, before == nullptr ? nullptr : link, {0, double(i), 0},
+                     {1, 0, 0});
+        before = link;
+      }
+    }
+    odeval::AccurateStep step(one.id, one.space);
+    std::vector<double> accurate, ode;
+    const int steps = n <= 32 ? 200 : 20;
+    for (int round = -1; round < std::max(3, rounds / 3); ++round) {
+      double start = cpu_seconds();
+      for (int k = 0; k < steps; ++k) step(1e-4);
+      const double a = (cpu_seconds() - start) / steps;
+      start = cpu_seconds();
+      for (int k = 0; k < steps; ++k) dWorldStep(other.id, 1e-4);
+      const double b = (cpu_seconds() - start) / steps;
+      if (round < 0) continue;
+      accurate.push_back(a);
+      ode.push_back(b);
+    }
+    fmt::print("chain of {:3}     dWorldStep {:9.2f} us/step, accurate {:9.2f} us/step\n", n, 1e6 * median(ode),
+               1e6 * median(accurate));
+    logs_n.push_back(std::log(n));
+    logs_accurate.push_back(std::log(median(accurate)));
+    logs_ode.push_back(std::log(median(ode)));
+  }
+  const auto slope = [&](const std::vector<double>& y) {
+    const auto count = static_cast<double>(y.size());
+    double sx = 0, sy = 0, sxx = 0, sxy = 0;
+    for (std::size_t i = 0; i < y.size(); ++i) {
+      sx += logs_n[i], sy += y[i], sxx += logs_n[i] * logs_n[i], sxy += logs_n[i] * y[i];
+    }
+    return (count * sxy - sx * sy) / (count * sxx - sx * sx);
+  };
+  fmt::print("cost grows as n to the power {:.2f} (dWorldStep {:.2f})\n", slope(logs_accurate), slope(logs_ode));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int rounds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 11;
+  per_step(rounds);
+  equal_time(rounds);
+  chains(rounds);
+}
