@@ -35,7 +35,7 @@ constexpr Condition c8a_confirmed[] = {{"C8a.ode_over_ode45", at_least, 2}, {"C8
 constexpr Condition c8a_refuted[]   = {{"C8a.ode_over_ode45", at_most, 1}, {"C8a.ode_over_euler", at_most, 1}};
 
 constexpr Condition c8b_confirmed[] = {{"C8b.largest_ratio", at_most, 0.5}};
-constexpr Condition c8b_refuted[]   = {{"C8b.least_ratio", at_least, 1}};
+constexpr Condition c8b_refuted[]   = {{"C8b.largest_ratio", at_least, 1}, {"C8b.least_ratio", at_least, 1}};
 
 constexpr Condition c9_confirmed[] = {{"C9.distance_ratio", at_most, 0.5}, {"C9.ode_parts_at", at_least, 6}, {"C9.ode_parts_at", at_most, 7}};
 constexpr Condition c9_refuted[]   = {{"C9.distance_ratio", at_least, 1}};

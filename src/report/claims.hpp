@@ -3,6 +3,7 @@
 //
 // A rule is data: the page prints the conditions that the verdict was computed from, so what is stated and what is
 // computed cannot differ.
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -36,6 +37,10 @@ struct Claim {
 
 std::span<const Claim> claims();
 
+/// Whether a condition holds; the empty optional says that its bound lies within the finding's uncertainty. The finding
+/// has a value.
+std::optional<bool> holds(const Condition& condition, const Finding& finding);
+
 enum class Verdict { confirmed, refuted, confirmed_with_limits, not_measured };
 
 struct Judged {
@@ -49,9 +54,13 @@ struct Judged {
 /// confirmed              every condition of confirmed_if holds
 /// refuted                every condition of refuted_if holds
 /// confirmed_with_limits  neither: some of it holds, or the numbers cannot tell
-/// not_measured           a finding that a condition names has no value
+/// not_measured           a finding that a condition names has no finite value
 Judged judge(const Claim& claim, const Findings& findings);
 
+/// "confirmed with limits"
 std::string_view verdict_text(Verdict verdict);
+
+/// The findings that the conditions name, first those of `confirmed_if`, each once.
+std::vector<std::string_view> findings_named(const Claim& claim);
 
 }  // namespace odeval::report

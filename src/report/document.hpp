@@ -51,8 +51,8 @@ struct Panel {
   bool log_x = false;
   bool log_y = false;
   bool equal_axes = false;  // one metre across is one metre up
-  std::optional<Shade> shade;
-  std::optional<std::pair<double, double>> y_range;  // absent: all of the data
+  std::optional<Shade> shade = {};
+  std::optional<std::pair<double, double>> y_range = {};  // absent: all of the data
 };
 
 /// One or more plots that are read together.
@@ -85,9 +85,16 @@ struct Section {
   std::vector<Block> blocks;
 };
 
+/// A file beside the page.
+struct File {
+  std::string path;  // relative to the page, with slashes
+  std::string holds;
+};
+
 /// Everything a page says besides the claims.
 struct Document {
   std::vector<Section> sections;
+  std::vector<File> files;
   std::string command;                                           // the exact command that made it
   std::vector<std::pair<std::string, std::string>> environment;  // versions and machine, by name
 };

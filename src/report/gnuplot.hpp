@@ -1,0 +1,14 @@
+#pragma once
+// gnuplot as a child process.
+#include <string>
+
+namespace odeval::report {
+
+/// What gnuplot prints when it reads the script. Nothing but the script has a say in it: no start-up file, no locale,
+/// no file on disk. Throws MachineError when there is no gnuplot or it gives up.
+std::string run_gnuplot(const std::string& script);
+
+/// "gnuplot 5.4 patchlevel 4", or why there is none.
+std::string gnuplot_version();
+
+}  // namespace odeval::report

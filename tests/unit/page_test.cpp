@@ -1,0 +1,317 @@
+// The page of a small document that has every kind of block, and what it says in the place of what is missing.
+//   page_test [FILE]   also writes the page, to look at
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <regex>
+#include <set>
+
+#include "odeval/error.hpp"
+#include "output/file.hpp"
+#include "report/files.hpp"
+#include "report/gnuplot.hpp"
+#include "report/page.hpp"
+#include "report/plot.hpp"
+#include "report/text.hpp"
+#include "tests/check.hpp"
+
+namespace {
+
+using namespace odeval;
+using namespace odeval::report;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+constexpr Condition small_confirmed[] = {{"T1.ratio", Relation::at_least, 2}};
+constexpr Condition small_refuted[] = {{"T1.ratio", Relation::at_most, 1}};
+constexpr Condition open_confirmed[] = {{"T2.never", Relation::at_least, 2}, {"T2.lost", Relation::at_most, 3}};
+constexpr Condition open_refuted[] = {{"T2.never", Relation::at_most, 1}};
+constexpr Claim test_claims[] = {
+    {"T1", "§1", "a < b & \"c\" > 'd'", small_confirmed, small_refuted, "Use <b>, not a.", "curves"},
+    {"T2", "§2", "Never measured.", open_confirmed, open_refuted, "", "no-such-section"},
+};
+
+Findings some_findings() {
+  Findings findings;
+  findings.add("T1.ratio", {"error of <a> over b", "", 12.5, 0.25, ""});
+  findings.add("T2.lost", {"a number that was lost", "rad", {}, 0, "single precision <not> in this build"});
+  findings.add("T3.infinite", {"a number beyond numbers", "", infinity, 0, ""});
+  return findings;
+}
+
+std::vector<Judged> judged(const Findings& findings) {
+  std::vector<Judged> verdicts;
+  for (const Claim& claim : test_claims) verdicts.push_back(judge(claim, findings));
+  return verdicts;
+}
+
+Series wave(const std::string& label, double shift, Mark mark, int colour, bool dashed) {
+  Series series{label, {}, {}, mark, colour, dashed};
+  const int points = mark == Mark::line ? 200 : 12;
+  for (int i = 0; i < points; ++i) {
+    series.x.push_back(10.0 * i / (points - 1));
+    series.y.push_back(std::sin(series.x.back() + shift));
+  }
+  return series;
+}
+
+Series power(const std::string& label, double order, int colour) {
+  Series series{label, {}, {}, Mark::line_and_points, colour, false};
+  for (int i = 0; i < 5; ++i) {
+    series.x.push_back(std::pow(10.0, -i) * 0.03);
+    series.y.push_back(std::pow(series.x.back(), order));
+  }
+  return series;
+}
+
+Figure curves() {
+  Figure figure{"fig-waves", "Waves & <shades>.", "Two waves; the second one has a gap.", {}, 2};
+  Panel time{"t, s", "q1, rad", {}};
+  for (int i = 0; i < 4; ++i)
+    time.series.push_back(wave("method " + std::to_string(i), 0.4 * i, Mark::line, i, i == 3));
+  time.series[1].y[100] = nan;
+  time.shade = Shade{6.5, "the reference's own uncertainty is larger than what is compared"};
+  Panel points{"t, s",
+               "it's q2, rad",
+               {wave("method 2", 0, Mark::points, 2, false), wave("other <x>", 1, Mark::line_and_points, 9, true)}};
+  figure.panels = {time, points};
+  return figure;
+}
+
+Figure log_log() {
+  Panel panel{"step, s", "error, rad", {power("first order", 1, 0), power("fourth order", 4, 8), power("next", 2, -1)}};
+  panel.log_x = panel.log_y = true;
+  panel.series[1].y[4] = 0;  // which no logarithm has
+  return {"fig-order", "Order.", "Double logarithmic.", {panel}, 1};
+}
+
+Figure circle() {
+  Panel panel{"y, m", "z, m", {{"", {}, {}, Mark::line, 0, false}}};
+  for (int i = 0; i <= 60; ++i) {
+    panel.series[0].x.push_back(std::cos(i * 0.104719755));
+    panel.series[0].y.push_back(std::sin(i * 0.104719755));
+  }
+  panel.equal_axes = true;
+  Panel flat{"t, s", "constant", {{"flat", {0, 1, 2}, {3, 3, 3}, Mark::line, -1, false}}};
+  flat.y_range = {2, 5};
+  Panel none{"t, s", "nothing", {{"none", {0, 1, 2}, {nan, infinity, nan}, Mark::line, -1, false}}};
+  return {"fig-circle", "Circle.", "One metre across is one metre up.", {panel, flat, none}, 3};
+}
+
+Table table() {
+  return {"numbers",
+          "Numbers of <all> kinds.",
+          {"method", "steps", "error, rad", "time, s"},
+          {{"a & b", 10000.0, 0.00888123, 1.0},
+           {"single", Missing{"not <built>"}, Missing{"not <built>"}, nan},
+           {"with, comma \"q\"", 1e9, 5.37e-5, 0.999999}},
+          "What one has to know."};
+}
+
+Document every_block() {
+  Document document;
+  document.sections = {{"curves", "Curves & <tables>", {Text{"Plain <words> & more."}, curves(), log_log(), table()}},
+                       {"numbers",
+                        "A section named as a table",
+                        {circle(), Picture{"pic", "A <picture>.", "Of \"it\".", "\x89PNG\r\n"}}}};
+  document.files = {{"double_pendulum/a.csv", "trace"}};
+  document.command = "odeval report --out <dir>";
+  document.environment = {{"odeval", "0 <&>"}};
+  return document;
+}
+
+Page page_of(const Document& document) {
+  const Findings findings = some_findings();
+  return make_page(document, judged(findings), findings);
+}
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
+  return found;
+}
+
+bool holds_text(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+std::vector<std::string> matches(const std::string& text, const std::string& pattern) {
+  std::vector<std::string> all;
+  const std::regex wanted(pattern);
+  for (std::sregex_iterator at(text.begin(), text.end(), wanted); at != std::sregex_iterator(); ++at)
+    all.push_back((*at)[1]);
+  return all;
+}
+
+void numbers_have_three_digits() {
+  CHECK_EQUAL(shown(0.0), "0");
+  CHECK_EQUAL(shown(-0.0), "0");
+  CHECK_EQUAL(shown(1.0), "1");
+  CHECK_EQUAL(shown(0.2), "0.2");
+  CHECK_EQUAL(shown(-0.25), "-0.25");
+  CHECK_EQUAL(shown(0.999999), "1.00");
+  CHECK_EQUAL(shown(0.00888123), "0.00888");
+  CHECK_EQUAL(shown(5.3712e-5), "5.37e-5");
+  CHECK_EQUAL(shown(1e-12), "1e-12");
+  CHECK_EQUAL(shown(10000.0), "10000");
+  CHECK_EQUAL(shown(12345.6), "12300");
+  CHECK_EQUAL(shown(999.6), "1000");
+  CHECK_EQUAL(shown(123.45), "123");
+  CHECK_EQUAL(shown(-1e9), "-1e9");
+  CHECK_EQUAL(shown(1.23456e22), "1.23e22");
+  CHECK_EQUAL(shown(Finding{"", "rad", 0.00888123, 3.3e-10, ""}), "0.00888 ± 3e-10 rad");
+  CHECK_EQUAL(shown(Finding{"", "", 2.0, 0, ""}), "2");
+}
+
+void bytes_become_base64() {  // RFC 4648, section 10
+  CHECK_EQUAL(base64(""), "");
+  CHECK_EQUAL(base64("f"), "Zg==");
+  CHECK_EQUAL(base64("fo"), "Zm8=");
+  CHECK_EQUAL(base64("foo"), "Zm9v");
+  CHECK_EQUAL(base64("foobar"), "Zm9vYmFy");
+  CHECK_EQUAL(base64("\xff\xfe\xfd"), "//79");
+}
+
+void text_is_escaped(const std::string& html) {
+  for (const char* const raw :
+       {"a < b", "<all>", "<tables>", "<words>", "<not>", "<built>", "<dir>", "<picture>", "<x>", "<&>", "<a> over"}) {
+    CHECK(!holds_text(html, raw));
+  }
+  CHECK(holds_text(html, "a &lt; b &amp; &quot;c&quot; &gt; &#39;d&#39;"));
+  CHECK(holds_text(html, "Use &lt;b&gt;, not a."));
+  CHECK(holds_text(html, "other &lt;x&gt;"));
+  CHECK(holds_text(html, "single precision &lt;not&gt; in this build"));
+}
+
+void ids_are_unique_and_links_have_a_target(const std::string& html) {
+  const std::vector<std::string> ids = matches(html, " id=\"([^\"]*)\"");
+  const std::set<std::string> known(ids.begin(), ids.end());
+  CHECK_EQUAL(known.size(), ids.size());
+  for (const std::string& target : matches(html, "href=\"#([^\"]*)\"")) {
+    if (!known.contains(target)) CHECK_EQUAL(target, "an id of the page");
+  }
+  CHECK(known.contains("numbers"));
+  CHECK(known.contains("table-numbers"));  // the section has the plain name
+  CHECK(!holds_text(html, "no-such-section"));
+}
+
+void every_panel_is_drawn_or_accounted_for(const Page& page) {
+  CHECK_EQUAL(count(page.html, "<svg class=\"plot\""), 5U);
+  CHECK_EQUAL(page.missing.size(), 1U);
+  CHECK_EQUAL(page.missing.at(0), "fig-circle: there is no number to draw");
+  CHECK(holds_text(page.html, "A plot of nothing against t, s is missing here: there is no number to draw."));
+  CHECK(holds_text(page.html, "none <span class=\"missing\">(no number to draw)</span>"));
+  CHECK(holds_text(page.html, "Shaded from t = 6.5 s on: the reference&#39;s own uncertainty"));
+  CHECK(holds_text(page.html, "aria-label=\"q1, rad against t, s: method 0, method 1, method 2, method 3\""));
+  for (const char* const other : {"Arial", "rgb(", "black", "xlink", "white'", "<filter", "<?xml"})
+    CHECK(!holds_text(page.html.substr(page.html.find("<main>")), other));
+}
+
+void what_is_missing_is_said_in_its_place(const std::string& html) {
+  CHECK(
+      holds_text(html, "—<sup>a</sup></td><td class=\"number\">—<sup>a</sup></td><td class=\"number\">—<sup>b</sup>"));
+  CHECK(holds_text(html, "<sup>a</sup> not &lt;built&gt;</p>"));
+  CHECK(holds_text(html, "<sup>b</sup> no finite number</p>"));
+  CHECK(holds_text(html, "single precision &lt;not&gt; in this build; no experiment measures T2.never"));
+  CHECK(holds_text(html, "<span class=\"verdict not-measured\">not measured</span>"));
+  CHECK(holds_text(html, "2 claims: 1 confirmed, 1 not measured."));
+  const std::string visible = std::regex_replace(html.substr(html.find("<body>")), std::regex("<[^>]*>"), " ");
+  CHECK(!std::regex_search(visible, std::regex("\\b(nan|inf|NaN|Infinity)\\b")));
+}
+
+void a_verdict_shows_its_numbers_and_rule(const std::string& html) {
+  CHECK(holds_text(html, "error of &lt;a&gt; over b <b>12.5 ± 0.2</b>"));
+  CHECK(holds_text(html, "<code>T1.ratio</code> ≥ 2: measured 12.5 ± 0.2, which <b>holds</b>"));
+  CHECK(holds_text(html, "<code>T1.ratio</code> ≤ 1: measured 12.5 ± 0.2, which <b>does not hold</b>"));
+  CHECK(holds_text(html, "<code>T2.never</code> ≥ 2: <span class=\"missing\">not measured</span>"));
+}
+
+void tables_have_all_digits_beside_the_page() {
+  CHECK_EQUAL(table_csv(table()),
+              "method,steps,\"error, rad\",\"time, s\"\na & b,10000,0.00888123,1\nsingle,,,nan\n"
+              "\"with, comma \"\"q\"\"\",1000000000,5.37e-05,0.999999\n");
+  const Findings findings = some_findings();
+  CHECK_EQUAL(findings_csv(findings),
+              "name,value,uncertainty,unit,meaning,missing\nT1.ratio,12.5,0.25,,error of <a> over b,\n"
+              "T2.lost,,,rad,a number that was lost,single precision <not> in this build\n"
+              "T3.infinite,inf,0,,a number beyond numbers,\n");
+  CHECK_EQUAL(verdicts_csv(judged(findings), findings),
+              "claim,verdict,kind,finding,relation,bound,value,uncertainty,unit,holds,missing\n"
+              "T1,confirmed,confirmed_if,T1.ratio,>=,2,12.5,0.25,,yes,\n"
+              "T1,confirmed,refuted_if,T1.ratio,<=,1,12.5,0.25,,no,\n"
+              "T2,not measured,confirmed_if,T2.never,>=,2,,,,,no experiment measures it\n"
+              "T2,not measured,confirmed_if,T2.lost,<=,3,,,rad,,single precision <not> in this build\n"
+              "T2,not measured,refuted_if,T2.never,<=,1,,,,,no experiment measures it\n");
+}
+
+void a_colour_stays_with_its_index() {
+  const auto looks = looks_of(curves());
+  CHECK_EQUAL(looks[0][2].colour, 2);
+  CHECK(looks[0][2].colour == looks[1][0].colour && looks[0][2].marker == looks[1][0].marker);
+  CHECK(looks[0][3].dash != looks[0][2].dash);
+  const auto order = looks_of(log_log());
+  CHECK_EQUAL(order[0][2].colour, 1);  // the first that no series asked for
+  // No two indices look alike, with or without dashes, as far as the project has methods.
+  std::vector<Look> seen;
+  for (int index = 0; index < 2 * palette_size; ++index) {
+    for (const bool dashed : {false, true}) {
+      const Look look = looks_of({"", "", "", {{"", "", {{"", {}, {}, Mark::line, index, dashed}}}}, 1})[0][0];
+      CHECK(std::ranges::none_of(
+          seen, [&](const Look& other) { return other.colour == look.colour && other.dash == look.dash; }));
+      seen.push_back(look);
+    }
+  }
+}
+
+void the_same_name_twice_is_a_mistake() {
+  Document twice = every_block();
+  twice.sections.push_back(twice.sections.back());
+  CHECK_THROWS(page_of(twice), std::logic_error, "named 'numbers'");
+  Document tables;
+  tables.sections = {{"one", "", {table(), table()}}};
+  CHECK_THROWS(page_of(tables), std::logic_error, "two tables are named 'numbers'");
+}
+
+void gnuplot_fails_in_one_line() {
+  try {
+    run_gnuplot("plot nonsense nonsense\n");
+    CHECK(!"gnuplot takes nonsense");
+  } catch (const MachineError& error) {
+    CHECK(holds_text(error.what(), "gnuplot: gave up with status"));
+    CHECK(!holds_text(error.what(), "\n"));
+  }
+}
+
+// A page without gnuplot is made all the same.
+void without_gnuplot_the_page_says_so() {
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", "/nonexistent", 1);
+  CHECK_THROWS(run_gnuplot("print 1\n"), MachineError, "gnuplot: cannot be started");
+  const Page page = page_of(every_block());
+  setenv("PATH", path.c_str(), 1);
+  CHECK_EQUAL(count(page.html, "<svg class=\"plot\""), 0U);
+  CHECK_EQUAL(page.missing.size(), 6U);
+  CHECK(holds_text(page.html, "A plot of q1, rad against t, s is missing here: gnuplot: cannot be started"));
+  ids_are_unique_and_links_have_a_target(page.html);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const Page page = page_of(every_block());
+  if (argc > 1) write_whole(argv[1], page.html);
+  numbers_have_three_digits();
+  bytes_become_base64();
+  text_is_escaped(page.html);
+  ids_are_unique_and_links_have_a_target(page.html);
+  every_panel_is_drawn_or_accounted_for(page);
+  what_is_missing_is_said_in_its_place(page.html);
+  a_verdict_shows_its_numbers_and_rule(page.html);
+  tables_have_all_digits_beside_the_page();
+  a_colour_stays_with_its_index();
+  the_same_name_twice_is_a_mistake();
+  gnuplot_fails_in_one_line();
+  without_gnuplot_the_page_says_so();
+  CHECK(page_of(every_block()).html == page.html);
+  return odeval::test::verdict();
+}
