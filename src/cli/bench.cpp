@@ -1,4 +1,6 @@
 // odeval bench: what a step costs. Methods take turns, so that a machine that slows down slows all of them.
+#include "cli/bench.hpp"
+
 #include <CLI/CLI.hpp>
 #include <iostream>
 
@@ -7,7 +9,6 @@
 #include "catalogue/versions.hpp"
 #include "cli/commands.hpp"
 #include "cli/progress.hpp"
-#include "cli/settings.hpp"
 #include "measure/spread.hpp"
 #include "odeval/error.hpp"
 #include "output/file.hpp"
@@ -16,16 +17,6 @@
 
 namespace odeval::cli {
 namespace {
-
-struct Options {
-  std::vector<std::string> scenarios;
-  std::vector<std::string> methods;
-  Settings settings;
-  int repeats = 7;
-  std::string out = "results";
-  bool quiet = false;
-  bool json = false;
-};
 
 struct Timed {
   const catalogue::Method* method;
@@ -58,7 +49,9 @@ TimingRow row_of(const catalogue::Evaluator& evaluator, const Timed& timed) {
   return row;
 }
 
-int bench(const Options& options) {
+}  // namespace
+
+int bench(const BenchOptions& options) {
   struct Plan {
     catalogue::Evaluator evaluator;
     std::vector<Timed> timed;
@@ -100,10 +93,8 @@ int bench(const Options& options) {
   return 0;
 }
 
-}  // namespace
-
 Action attach_bench(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BenchOptions>();
   app.add_option("SCENARIO", options->scenarios, "names or .toml files; default: all that come with the program");
   add_method_option(app, options->methods);
   app.add_option("--repeats", options->repeats, "timed rounds")

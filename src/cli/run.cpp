@@ -3,14 +3,11 @@
 #include <iostream>
 
 #include "catalogue/evaluation.hpp"
-#include "catalogue/summaries.hpp"
 #include "cli/commands.hpp"
 #include "cli/progress.hpp"
+#include "cli/run_files.hpp"
 #include "cli/settings.hpp"
-#include "output/file.hpp"
 #include "output/run_report.hpp"
-#include "output/summary.hpp"
-#include "output/trace_csv.hpp"
 
 namespace odeval::cli {
 namespace {
@@ -36,17 +33,14 @@ int run(const Options& options) {
   {
     Progress progress(methods.size(), options.quiet);
     for (const catalogue::Method* method : methods) {
-      const std::string name(method->name);
-      progress.next(scenario.name + " " + name);
+      progress.next(scenario.name + " " + std::string(method->name));
       const catalogue::Evaluation run = evaluator.evaluate(*method);
-      summaries.push_back(catalogue::summarise(run, evaluator));
+      summaries.push_back(write_run(run, evaluator, folder));
       ns_per_step.push_back(1e9 * run.cpu_s / static_cast<double>(std::max(run.outcome.steps, 1L)));
       diverged = diverged || run.outcome.diverged;
-      write_whole(folder / (name + ".csv"), trace_csv(run.trace));
-      write_whole(folder / (name + ".json"), summary_json(summaries.back()));
     }
   }
-  write_whole(folder / "summary.csv", summary_csv(summaries));
+  write_summaries(summaries, folder);
 
   if (options.json) {
     std::cout << summaries_json(summaries);

@@ -7,4 +7,6 @@ namespace odeval::experiments {
 using report::Findings;
 using report::Section;
 
+Section snapshots(Laboratory& laboratory, Findings& findings);
+
 }  // namespace odeval::experiments

@@ -1,7 +1,16 @@
+#include <array>
+
 #include "experiments/all.hpp"
 
 namespace odeval::experiments {
+namespace {
 
-std::span<const Experiment> experiments() { return {}; }
+constexpr std::array table{
+    Experiment{"snapshots", "Pictures of the motions", snapshots},
+};
+
+}  // namespace
+
+std::span<const Experiment> experiments() { return table; }
 
 }  // namespace odeval::experiments

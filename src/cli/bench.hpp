@@ -1,0 +1,23 @@
+#pragma once
+// Timing as `odeval bench` and `odeval report` do it.
+#include <string>
+#include <vector>
+
+#include "cli/settings.hpp"
+
+namespace odeval::cli {
+
+struct BenchOptions {
+  std::vector<std::string> scenarios;  // none: all that come with the program
+  std::vector<std::string> methods;    // none: each scenario's own
+  Settings settings;
+  int repeats = 7;
+  std::string out = "results";
+  bool quiet = false;
+  bool json = false;
+};
+
+/// Times, writes timing.csv and timing.json and returns the exit status.
+int bench(const BenchOptions& options);
+
+}  // namespace odeval::cli

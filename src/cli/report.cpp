@@ -1,0 +1,154 @@
+// odeval report: every scenario and every experiment, and the verdicts on the claims, as one page.
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "catalogue/paths.hpp"
+#include "catalogue/versions.hpp"
+#include "cli/bench.hpp"
+#include "cli/commands.hpp"
+#include "cli/progress.hpp"
+#include "cli/run_files.hpp"
+#include "cli/settings.hpp"
+#include "experiments/experiment.hpp"
+#include "odeval/error.hpp"
+#include "output/file.hpp"
+#include "report/files.hpp"
+#include "report/gnuplot.hpp"
+#include "report/page.hpp"
+#include "scenario/find_scenario.hpp"
+
+namespace odeval::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using experiments::Laboratory;
+
+struct Options {
+  std::string out = "results";
+  bool quiet = false;
+};
+
+struct Runs {
+  std::vector<report::File> files;
+  bool diverged = false;
+};
+
+/// Every scenario in its own methods, as `odeval run` does it.
+Runs run_scenarios(Laboratory& laboratory, const Options& options) {
+  struct Pair {
+    std::string scenario;
+    const catalogue::Method* method;
+  };
+  std::vector<Pair> plan;
+  const std::vector<std::string> names = scenario_names(catalogue::scenario_folder());
+  for (const std::string& name : names) {
+    for (const catalogue::Method* method : chosen_methods({}, laboratory.scenario(name)))
+      plan.push_back({name, method});
+  }
+
+  Runs runs;
+  std::map<std::string, std::vector<RunSummary>> summaries;
+  Progress progress(plan.size(), options.quiet);
+  for (const auto& [scenario, method] : plan) {
+    progress.next(scenario + " " + std::string(method->name));
+    const catalogue::Evaluation& run = *laboratory.run(scenario, method->name);
+    summaries[scenario].push_back(write_run(run, laboratory.evaluator(scenario), fs::path(options.out) / scenario));
+    runs.diverged = runs.diverged || run.outcome.diverged;
+  }
+  for (const std::string& name : names) {
+    write_summaries(summaries[name], fs::path(options.out) / name);
+    runs.files.push_back({name + "/summary.csv", "errors, energy drift and impacts of every method"});
+    for (const RunSummary& summary : summaries[name]) {
+      const std::string stem = name + "/" + summary.method;
+      runs.files.push_back({stem + ".csv", "trace"});
+      runs.files.push_back({stem + ".json", "settings, versions and metrics of the run"});
+    }
+  }
+  return runs;
+}
+
+/// An experiment that the machine fails leaves a section that says so, and its numbers missing.
+report::Section run_experiment(const experiments::Experiment& experiment, Laboratory& laboratory,
+                               report::Findings& findings, std::vector<std::string>& failures) {
+  try {
+    return experiment.run(laboratory, findings);
+  } catch (const MachineError& error) {
+    failures.push_back(std::string(experiment.name) + ": " + error.what());
+    return {std::string(experiment.name),
+            std::string(experiment.title),
+            {report::Text{std::string("This experiment failed, and its numbers are missing: ") + error.what()}}};
+  }
+}
+
+std::vector<report::Section> run_experiments(Laboratory& laboratory, report::Findings& findings, bool quiet,
+                                             std::vector<std::string>& failures) {
+  std::vector<report::Section> sections;
+  Progress progress(experiments::experiments().size(), quiet);
+  for (const experiments::Experiment& experiment : experiments::experiments()) {
+    progress.next("experiment " + std::string(experiment.name));
+    sections.push_back(run_experiment(experiment, laboratory, findings, failures));
+  }
+  return sections;
+}
+
+std::vector<std::pair<std::string, std::string>> environment() {
+  auto all = catalogue::versions();
+  all.emplace_back("figures", report::gnuplot_version());
+  for (const auto& part : catalogue::machine()) all.push_back(part);
+  return all;
+}
+
+void write_tables(const report::Document& document, const fs::path& folder) {
+  for (const report::Section& section : document.sections) {
+    for (const report::Block& block : section.blocks) {
+      const auto* const table = std::get_if<report::Table>(&block);
+      if (table != nullptr) write_whole(folder / report::csv_of(*table), report::table_csv(*table));
+    }
+  }
+}
+
+int report(const Options& options) {
+  const fs::path folder(options.out);
+  Laboratory laboratory([](const std::string& name) {
+    return read_scenario(find_scenario(name, catalogue::scenario_folder()), {}, known_names());
+  });
+  Runs runs = run_scenarios(laboratory, options);
+  BenchOptions timing;
+  timing.out = options.out;
+  timing.quiet = true;
+  bench(timing);
+  runs.files.push_back({"timing.csv", "what a step costs, in every scenario and method"});
+  runs.files.push_back({"timing.json", "the same, with the machine"});
+
+  std::vector<std::string> failures;
+  report::Findings findings;
+  report::Document document;
+  document.sections = run_experiments(laboratory, findings, options.quiet, failures);
+  document.files = std::move(runs.files);
+  document.command = "odeval report --out " + options.out;
+  document.environment = environment();
+  std::vector<report::Judged> verdicts;
+  for (const report::Claim& claim : report::claims()) verdicts.push_back(report::judge(claim, findings));
+
+  const report::Page page = report::make_page(document, verdicts, findings);
+  write_tables(document, folder);
+  write_whole(folder / "report" / "findings.csv", report::findings_csv(findings));
+  write_whole(folder / "report" / "verdicts.csv", report::verdicts_csv(verdicts, findings));
+  write_whole(folder / "index.html", page.html);
+
+  failures.insert(failures.end(), page.missing.begin(), page.missing.end());
+  for (const std::string& failure : failures) std::cerr << "odeval: the page lacks " << failure << '\n';
+  if (!options.quiet) std::cout << "wrote " << (folder / "index.html").string() << '\n';
+  return failures.empty() ? (runs.diverged ? 1 : 0) : 3;
+}
+
+}  // namespace
+
+Action attach_report(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  add_out_option(app, options->out);
+  app.add_flag("--quiet", options->quiet, "no progress, no name of the page");
+  return [options] { return report(*options); };
+}
+
+}  // namespace odeval::cli
