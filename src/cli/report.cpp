@@ -29,7 +29,7 @@ struct Options {
 };
 
 struct Runs {
-  std::vector<report::File> files;
+  std::vector<report::Files> files;
   bool diverged = false;
 };
 
@@ -57,12 +57,16 @@ Runs run_scenarios(Laboratory& laboratory, const Options& options) {
   }
   for (const std::string& name : names) {
     write_summaries(summaries[name], fs::path(options.out) / name);
-    runs.files.push_back({name + "/summary.csv", "errors, energy drift and impacts of every method"});
+    report::Files traces{name + ", trace of every method", {}};
+    report::Files settings{name + ", settings, versions and metrics of every run", {}};
     for (const RunSummary& summary : summaries[name]) {
       const std::string stem = name + "/" + summary.method;
-      runs.files.push_back({stem + ".csv", "trace"});
-      runs.files.push_back({stem + ".json", "settings, versions and metrics of the run"});
+      traces.paths.push_back(stem + ".csv");
+      settings.paths.push_back(stem + ".json");
     }
+    runs.files.push_back({name + ", errors, energy drift and impacts", {name + "/summary.csv"}});
+    runs.files.push_back(std::move(traces));
+    runs.files.push_back(std::move(settings));
   }
   return runs;
 }
@@ -117,8 +121,7 @@ int report(const Options& options) {
   timing.out = options.out;
   timing.quiet = true;
   bench(timing);
-  runs.files.push_back({"timing.csv", "what a step costs, in every scenario and method"});
-  runs.files.push_back({"timing.json", "the same, with the machine"});
+  runs.files.push_back({"what a step costs, in every scenario and method", {"timing.csv", "timing.json"}});
 
   std::vector<std::string> failures;
   report::Findings findings;

@@ -85,16 +85,16 @@ struct Section {
   std::vector<Block> blocks;
 };
 
-/// A file beside the page.
-struct File {
-  std::string path;  // relative to the page, with slashes
-  std::string holds;
+/// Files beside the page that hold the same kind of thing.
+struct Files {
+  std::string about;
+  std::vector<std::string> paths;  // relative to the page, with slashes
 };
 
 /// Everything a page says besides the claims.
 struct Document {
   std::vector<Section> sections;
-  std::vector<File> files;
+  std::vector<Files> files;
   std::string command;                                           // the exact command that made it
   std::vector<std::pair<std::string, std::string>> environment;  // versions and machine, by name
 };

@@ -382,8 +382,12 @@ class Writer {
   std::string files() const {
     if (document_.files.empty()) return "";
     std::string items;
-    for (const File& file : document_.files) {
-      items += "<li>" + link(file.path, file.path) + " " + escaped(file.holds) + "</li>\n";
+    for (const Files& kind : document_.files) {
+      items += "<li>" + escaped(kind.about) + ":";
+      for (const std::string& path : kind.paths) {
+        items += (path == kind.paths.front() ? " " : ", ") + link(path, path.substr(path.rfind('/') + 1));
+      }
+      items += "</li>\n";
     }
     return "<section id=\"files\">\n<h2>Files</h2>\n<p>Beside this page, in the same folder:</p>\n<ul>\n" + items +
            "</ul>\n</section>\n";

@@ -14,7 +14,7 @@ constexpr std::string_view css = R"css(
   --c0: #0072b2; --c1: #d55e00; --c2: #009e73; --c3: #b5568a; --c4: #1b1d21; --c5: #b97f00;
   --c6: #2e8fc7; --c7: #8f8500; --c8: #882255; --c9: #332288; --c10: #7a4b1e; --c11: #2f8f86;
 }
-@media (prefers-color-scheme: dark) {
+@media screen and (prefers-color-scheme: dark) {
   :root {
     --paper: #14161a; --ink: #e6e8ec; --soft: #a6acb8; --rule: #383d47; --raised: #1d2026; --link: #7db7ff;
     --grid: #2a2e36; --shade: rgba(150, 160, 180, .20);
@@ -80,12 +80,12 @@ svg.swatch { width: 2.2rem; height: .78rem; vertical-align: middle; fill: none; 
 dl { display: grid; grid-template-columns: max-content minmax(0, 1fr); gap: .2rem 1.2rem; font-size: .9rem; }
 dt { color: var(--soft); }
 dd { margin: 0; overflow-wrap: anywhere; }
-@media (min-width: 48rem) {
+@media (min-width: 48rem), print {
   .panels { grid-template-columns: repeat(var(--columns), minmax(0, 42rem)); }
   .panels.in-1 svg.plot text { font-size: .8em; }
   .panels.in-2 svg.plot text { font-size: .88em; }
 }
-@media (max-width: 47.99rem) {
+@media screen and (max-width: 47.99rem) {
   body { padding: 1.2rem .9rem 3rem; }
   .verdicts, .verdicts tbody, .verdicts tr, .verdicts td, .verdicts th { display: block; border: 0; padding: .1rem 0; }
   .verdicts thead { display: none; }
@@ -95,19 +95,14 @@ dd { margin: 0; overflow-wrap: anywhere; }
   dd { margin-bottom: .5rem; }
 }
 @media print {
-  :root {
-    --paper: #fff; --ink: #000; --soft: #444; --rule: #bbb; --grid: #ddd; --link: #000; --shade: rgba(120, 128, 145, .22);
-    --good: #0a6b3d; --good-back: #fff; --bad: #a12310; --bad-back: #fff; --limits: #7a5200; --limits-back: #fff;
-    --none: #444; --none-back: #fff;
-    --c0: #0072b2; --c1: #d55e00; --c2: #009e73; --c3: #b5568a; --c4: #000; --c5: #b97f00;
-    --c6: #2e8fc7; --c7: #8f8500; --c8: #882255; --c9: #332288; --c10: #7a4b1e; --c11: #2f8f86;
-  }
-  body { max-width: none; padding: 0; font-size: 9.5pt; }
+  :root { color-scheme: light; --link: var(--ink); }
+  html { font-size: 9pt; }
+  body { max-width: none; padding: 0; }
   .scroll { overflow: visible; }
-  table { font-size: 7.5pt; width: 100%; }
+  table { font-size: .82rem; width: 100%; }
   th, td { padding: .15rem .3rem; overflow-wrap: anywhere; }
   td.number { white-space: normal; }
-  figure, tr, article { break-inside: avoid; }
+  figure, tr, article, .panels > * { break-inside: avoid; }
   figure.table { break-inside: auto; }
   h2, h3 { break-after: avoid; }
   .verdict { border: 1px solid currentColor; }

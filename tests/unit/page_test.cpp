@@ -116,7 +116,7 @@ Document every_block() {
                        {"numbers",
                         "A section named as a table",
                         {circle(), Picture{"pic", "A <picture>.", "Of \"it\".", "\x89PNG\r\n"}}}};
-  document.files = {{"double_pendulum/a.csv", "trace"}};
+  document.files = {{"traces", {"double_pendulum/a.csv", "double_pendulum/b.csv"}}};
   document.command = "odeval report --out <dir>";
   document.environment = {{"odeval", "0 <&>"}};
   return document;
@@ -219,6 +219,13 @@ void what_is_missing_is_said_in_its_place(const std::string& html) {
   CHECK(!std::regex_search(visible, std::regex("\\b(nan|inf|NaN|Infinity)\\b")));
 }
 
+void files_are_linked(const std::string& html) {
+  CHECK(holds_text(html,
+                   "<li>traces: <a href=\"double_pendulum/a.csv\">a.csv</a>, "
+                   "<a href=\"double_pendulum/b.csv\">b.csv</a></li>"));
+  CHECK(holds_text(html, "<a href=\"report/numbers.csv\">CSV</a>"));
+}
+
 void a_verdict_shows_its_numbers_and_rule(const std::string& html) {
   CHECK(holds_text(html, "error of &lt;a&gt; over b <b>12.5 ± 0.2</b>"));
   CHECK(holds_text(html, "<code>T1.ratio</code> ≥ 2: measured 12.5 ± 0.2, which <b>holds</b>"));
@@ -306,6 +313,7 @@ int main(int argc, char** argv) {
   ids_are_unique_and_links_have_a_target(page.html);
   every_panel_is_drawn_or_accounted_for(page);
   what_is_missing_is_said_in_its_place(page.html);
+  files_are_linked(page.html);
   a_verdict_shows_its_numbers_and_rule(page.html);
   tables_have_all_digits_beside_the_page();
   a_colour_stays_with_its_index();
