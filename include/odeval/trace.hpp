@@ -28,6 +28,8 @@ struct Trace {
   Column out_of_plane;              // m, largest distance of a body from the plane of motion
   std::vector<Column> error_q;      // n columns, rad, against the reference; empty without one
   Column contacts;                  // contact joints in the step that led to the row
+  Column condition;                 // 1-norm condition number of the matrix that the formulation inverts
+  Column manipulability;            // least over largest eigenvalue of J^T J of the chain's end (report D.4)
   std::vector<BodyColumns> bodies;  // n, or none in generalized coordinates
 
   std::size_t rows() const { return t.size(); }

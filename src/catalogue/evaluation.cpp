@@ -3,6 +3,7 @@
 #include <ctime>
 
 #include "measure/cartesian_trace.hpp"
+#include "measure/conditioning.hpp"
 #include "measure/metrics.hpp"
 #include "reference/generalized_trace.hpp"
 #include "reference/reference_solution.hpp"
@@ -51,6 +52,7 @@ Evaluation Evaluator::evaluate(const Method& method) {
   Trace trace = method.coordinates == Coordinates::generalized ? reference::generalized_trace(scenario_, grid_, rows)
                                                                : cartesian_trace(scenario_, grid_, rows);
   compare(trace, reference());
+  add_conditioning(trace, scenario_, method.inverts);
   return {&method, std::move(outcome), std::move(trace), cpu_s};
 }
 

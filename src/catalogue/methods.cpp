@@ -40,31 +40,36 @@ bool closed_form(const Problem& problem) { return problem.links == 1; }
 constexpr auto generalized = Coordinates::generalized;
 constexpr auto cartesian = Coordinates::cartesian;
 
+constexpr auto mass_matrix = SystemMatrix::mass_matrix;
+constexpr auto hinge_rows = SystemMatrix::hinge_rows;
+constexpr auto hinge_rows_cfm = SystemMatrix::hinge_rows_cfm;
+
 constexpr std::array table{
     Method{"ode-step-double", "ODE bodies and joints", "dWorldStep, double precision", cartesian, 1, 0, 0, every,
-           step_double, Settings::ode},
+           step_double, Settings::ode, hinge_rows_cfm},
     Method{"ode-step-single", "ODE bodies and joints", "dWorldStep, single precision", cartesian, 1, 0, 0, every,
-           step_single, Settings::ode},
+           step_single, Settings::ode, hinge_rows_cfm},
     Method{"ode-quickstep-double", "ODE bodies and joints", "dWorldQuickStep, double precision", cartesian, 1, 0, 0,
-           every, quickstep_double, Settings::ode},
+           every, quickstep_double, Settings::ode, hinge_rows_cfm},
     Method{"ode-quickstep-single", "ODE bodies and joints", "dWorldQuickStep, single precision", cartesian, 1, 0, 0,
-           every, quickstep_single, Settings::ode},
+           every, quickstep_single, Settings::ode, hinge_rows_cfm},
     Method{"ode-rk4-double", "ODE bodies and joints", "odeval's Runge-Kutta step beside ODE's collision detection",
-           cartesian, 4, 0, 0, every, make_accurate, Settings::ode_bounce},
+           cartesian, 4, 0, 0, every, make_accurate, Settings::ode_bounce, hinge_rows},
     Method{reference_method, "closed-form Lagrangian", "SUNDIALS CVODE, Adams: the reference", generalized, 0,
-           reference::tight_tolerances.rtol, reference::tight_tolerances.atol, every, reference::make_cvode},
+           reference::tight_tolerances.rtol, reference::tight_tolerances.atol, every, reference::make_cvode,
+           Settings::none, mass_matrix},
     Method{"lagrange-quad", "closed-form Lagrangian", "extrapolation in quad precision: certifies the reference",
-           generalized, 0, 0, 0, without_wall, reference::make_quad},
+           generalized, 0, 0, 0, without_wall, reference::make_quad, Settings::none, mass_matrix},
     Method{"lagrange-ode45", "closed-form Lagrangian", "Dormand-Prince 5(4) as MATLAB's ode45", generalized, 0,
-           reference::ode45_rtol, reference::ode45_atol, every, reference::make_ode45},
+           reference::ode45_rtol, reference::ode45_atol, every, reference::make_ode45, Settings::none, mass_matrix},
     Method{"lagrange-rk4", "closed-form Lagrangian", "classical Runge-Kutta, fixed step", generalized, 4, 0, 0, every,
-           reference::make_rk4},
+           reference::make_rk4, Settings::none, mass_matrix},
     Method{"lagrange-euler", "closed-form Lagrangian", "explicit Euler, fixed step", generalized, 1, 0, 0, every,
-           reference::make_euler},
+           reference::make_euler, Settings::none, mass_matrix},
     Method{"lagrange-symplectic-euler", "closed-form Lagrangian", "symplectic Euler, fixed step", generalized, 1, 0, 0,
-           every, reference::make_symplectic_euler},
+           every, reference::make_symplectic_euler, Settings::none, mass_matrix},
     Method{"analytic", "closed form", "Jacobi elliptic functions", generalized, 0, 0, 0, closed_form,
-           reference::make_analytic},
+           reference::make_analytic, Settings::none, mass_matrix},
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "measure/conditioning.hpp"
 #include "odeval/method.hpp"
 
 namespace odeval::catalogue {
@@ -29,6 +30,7 @@ struct Method {
   bool (*claims)(const Problem&);  // which problems it does
   MakeSimulation make;             // null: left out of this build
   Settings settings = Settings::none;
+  SystemMatrix inverts = SystemMatrix::none;  // whose condition number the trace shows
 };
 
 /// The name of the method that every error is measured against.

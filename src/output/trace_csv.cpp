@@ -35,6 +35,8 @@ class Layout {
     add("out_of_plane", trace.out_of_plane);
     add_each("error_q", trace.error_q);
     add("contacts", trace.contacts);
+    add("condition", trace.condition);
+    add("manipulability", trace.manipulability);
     for (std::size_t i = 0; i < trace.bodies.size(); ++i) add_body(std::to_string(i + 1), trace.bodies[i]);
   }
   Layout(const Layout&) = delete;

@@ -79,7 +79,8 @@ void check_wall() {
 
 /// At equal work far better than dWorldStep: the count of evaluations stands for the time (odeval-accurate-cost).
 void check_gain() {
-  const double ode = run(test::report_scenario("double_pendulum", 2, 1e-4), 2, "ode-step-double").metrics.max_error_q.value();
+  const double ode =
+      run(test::report_scenario("double_pendulum", 2, 1e-4), 2, "ode-step-double").metrics.max_error_q.value();
   const double accurate = run(test::report_scenario("double_pendulum", 2, 4e-4), 2).metrics.max_error_q.value();
   std::printf("dWorldStep h = 1e-4: %.3g rad, accurate h = 4e-4: %.3g rad: %.3g x\n", ode, accurate, ode / accurate);
   CHECK(ode / accurate > 1e6);

@@ -16,14 +16,18 @@ std::string header_of(const Trace& trace) {
 const char* wanted_header(const Problem& problem, Coordinates coordinates) {
   const bool bodies = coordinates == Coordinates::cartesian;
   if (problem.links == 1) {
-    return bodies ? "t,q1,qd1,kinetic,potential,energy,energy_drift,gap,out_of_plane,error_q1,contacts,"
+    return bodies ? "t,q1,qd1,kinetic,potential,energy,energy_drift,gap,out_of_plane,error_q1,contacts,condition,"
+                    "manipulability,"
                     "x1,y1,z1,r111,r112,r113,r121,r122,r123,r131,r132,r133,vx1,vy1,vz1,wx1,wy1,wz1,fx1,fy1,fz1"
-                  : "t,q1,qd1,kinetic,potential,energy,energy_drift,gap,out_of_plane,error_q1,contacts";
+                  : "t,q1,qd1,kinetic,potential,energy,energy_drift,gap,out_of_plane,error_q1,contacts,condition,"
+                    "manipulability";
   }
   return bodies ? "t,q1,q2,qd1,qd2,kinetic,potential,energy,energy_drift,gap,out_of_plane,error_q1,error_q2,contacts,"
+                  "condition,manipulability,"
                   "x1,y1,z1,r111,r112,r113,r121,r122,r123,r131,r132,r133,vx1,vy1,vz1,wx1,wy1,wz1,fx1,fy1,fz1,"
                   "x2,y2,z2,r211,r212,r213,r221,r222,r223,r231,r232,r233,vx2,vy2,vz2,wx2,wy2,wz2,fx2,fy2,fz2"
-                : "t,q1,q2,qd1,qd2,kinetic,potential,energy,energy_drift,gap,out_of_plane,error_q1,error_q2,contacts";
+                : "t,q1,q2,qd1,qd2,kinetic,potential,energy,energy_drift,gap,out_of_plane,error_q1,error_q2,contacts,"
+                  "condition,manipulability";
 }
 
 // Row 0 shows the first step's force; one sampled sparsely, the same one.

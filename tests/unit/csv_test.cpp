@@ -68,7 +68,7 @@ Trace numbered_trace(std::size_t links, bool with_bodies, bool with_errors) {
   for (auto* column : {&trace.kinetic, &trace.potential, &trace.gap, &trace.out_of_plane}) fill(*column);
   if (with_errors) trace.error_q.resize(links);
   for (Column& column : trace.error_q) fill(column);
-  fill(trace.contacts);
+  for (auto* column : {&trace.contacts, &trace.condition, &trace.manipulability}) fill(*column);
   if (with_bodies) trace.bodies.resize(links);
   for (BodyColumns& body : trace.bodies) {
     for (Column& column : body.position) fill(column);
@@ -82,21 +82,23 @@ Trace numbered_trace(std::size_t links, bool with_bodies, bool with_errors) {
 
 void columns_stand_in_their_order() {
   CHECK_EQUAL(trace_csv(numbered_trace(1, false, false)),
-              "t,q1,qd1,kinetic,potential,energy,energy_drift,gap,out_of_plane,contacts\n"
-              "0,100,200,300,400,700,0,500,600,700\n"
-              "1,101,201,301,401,702,2,501,601,701\n");
+              "t,q1,qd1,kinetic,potential,energy,energy_drift,gap,out_of_plane,contacts,condition,"
+              "manipulability\n"
+              "0,100,200,300,400,700,0,500,600,700,800,900\n"
+              "1,101,201,301,401,702,2,501,601,701,801,901\n");
 
   const std::string text = trace_csv(numbered_trace(2, true, true));
   CHECK_EQUAL(text.substr(0, text.find('\n')),
               "t,q1,q2,qd1,qd2,kinetic,potential,energy,energy_drift,gap,out_of_plane,error_q1,error_q2,contacts,"
+              "condition,manipulability,"
               "x1,y1,z1,r111,r112,r113,r121,r122,r123,r131,r132,r133,vx1,vy1,vz1,wx1,wy1,wz1,fx1,fy1,fz1,"
               "x2,y2,z2,r211,r212,r213,r221,r222,r223,r231,r232,r233,vx2,vy2,vz2,wx2,wy2,wz2,fx2,fy2,fz2");
   const CsvColumns table = parse_csv(text, "text");
-  CHECK_EQUAL(table.header.size(), 56u);
-  CHECK_EQUAL(table.columns.size(), 56u);
-  CHECK_EQUAL(table.columns[55].size(), 2u);
-  CHECK_EQUAL(table.header[33], "fy1");
-  CHECK_EQUAL(table.columns[33][1], 3101.0);  // 33 columns before it, two of them derived
+  CHECK_EQUAL(table.header.size(), 58u);
+  CHECK_EQUAL(table.columns.size(), 58u);
+  CHECK_EQUAL(table.columns[57].size(), 2u);
+  CHECK_EQUAL(table.header[35], "fy1");
+  CHECK_EQUAL(table.columns[35][1], 3301.0);  // 35 columns before it, two of them derived
   CHECK_EQUAL(table.columns[8][1], 2.0);      // energy_drift
 }
 
