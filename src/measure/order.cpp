@@ -1,0 +1,62 @@
+#include "measure/order.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <vector>
+
+namespace odeval {
+namespace {
+
+constexpr std::array quantiles{12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228,
+                               2.201,  2.179, 2.160, 2.145, 2.131, 2.120, 2.110, 2.101, 2.093, 2.086,
+                               2.080,  2.074, 2.069, 2.064, 2.060, 2.056, 2.052, 2.048, 2.045, 2.042};
+
+bool counts(const ErrorPoint& point, double lost) {
+  return point.error > 0 && point.error <= lost && point.error >= clear_of_doubt * point.doubt;
+}
+
+}  // namespace
+
+double student_t_95(int degrees_of_freedom) {
+  const int last = static_cast<int>(quantiles.size());
+  return quantiles[static_cast<std::size_t>(std::clamp(degrees_of_freedom, 1, last) - 1)];
+}
+
+double rounding_doubt(double epsilon, long steps) { return epsilon * std::sqrt(static_cast<double>(steps)); }
+
+std::optional<ObservedOrder> observed_order(std::span<const ErrorPoint> points, double lost) {
+  std::vector<ErrorPoint> used;
+  std::ranges::copy_if(points, std::back_inserter(used), [lost](const ErrorPoint& p) { return counts(p, lost); });
+  const auto n = static_cast<double>(used.size());
+  if (used.size() < 3) return std::nullopt;
+
+  double x_mean = 0;
+  double y_mean = 0;
+  for (const ErrorPoint& p : used) {
+    x_mean += std::log(p.setting) / n;
+    y_mean += std::log(p.error) / n;
+  }
+  double spread = 0;
+  for (const ErrorPoint& p : used) spread += std::pow(std::log(p.setting) - x_mean, 2);
+  if (spread == 0) return std::nullopt;
+
+  double slope = 0;
+  double doubt = 0;
+  for (const ErrorPoint& p : used) {
+    const double weight = (std::log(p.setting) - x_mean) / spread;
+    slope += weight * (std::log(p.error) - y_mean);
+    doubt += std::fabs(weight) * -std::log1p(-p.doubt / p.error);
+  }
+  double residue = 0;
+  for (const ErrorPoint& p : used) {
+    residue += std::pow(std::log(p.error) - y_mean - slope * (std::log(p.setting) - x_mean), 2);
+  }
+  const double standard_error = std::sqrt(residue / (n - 2) / spread);
+  const auto [from, to] = std::ranges::minmax(used, {}, &ErrorPoint::setting);
+  return ObservedOrder{slope, student_t_95(static_cast<int>(used.size()) - 2) * standard_error + doubt, from.setting,
+                       to.setting, static_cast<int>(used.size())};
+}
+
+}  // namespace odeval

@@ -1,0 +1,44 @@
+#pragma once
+// Observed order of convergence, with what the points leave open about it.
+#include <optional>
+#include <span>
+
+namespace odeval {
+
+/// One run: what was varied (step, tolerance, evaluations) and the error it led to.
+struct ErrorPoint {
+  double setting;    // > 0
+  double error;      // of any unit
+  double doubt = 0;  // how far the error itself may be off: the reference's uncertainty and rounding
+};
+
+struct ObservedOrder {
+  double order;       // slope of log error over log setting
+  double half_width;  // 95 %
+  double from;        // least and largest setting of the points that count
+  double to;
+  int points;
+};
+
+/// Points count when their error is at least this many times their doubt.
+inline constexpr double clear_of_doubt = 10;
+
+/// Least-squares slope of log error over log setting.
+///
+/// Which points count is decided by each point alone, before any slope is known: those whose error is finite, at most
+/// `lost` (above it a run is lost and its error says nothing), and `clear_of_doubt` times its doubt or more.
+///
+/// half_width  Student's t at 95 % times the slope's standard error, which takes in noise and curvature (a next term of
+///             the error) alike; and what the slope would move by if every point were off by its doubt, the worst way
+/// Empty when fewer than 3 points count or all have one setting.
+std::optional<ObservedOrder> observed_order(std::span<const ErrorPoint> points, double lost);
+
+/// Two-sided 95 % quantile of Student's t (NIST/SEMATECH e-Handbook of Statistical Methods, 1.3.6.7.2, column 0.975).
+/// Above 30 degrees of freedom that of 30, which is at most 4 % too wide.
+double student_t_95(int degrees_of_freedom);
+
+/// What rounding may have done to an angle after a number of steps that round it by half of `epsilon` each, one way or
+/// the other at random: epsilon sqrt(steps), rad.
+double rounding_doubt(double epsilon, long steps);
+
+}  // namespace odeval
