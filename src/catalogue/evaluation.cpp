@@ -26,6 +26,10 @@ double cpu_seconds() {
 
 Evaluator::Evaluator(Scenario scenario) : scenario_(std::move(scenario)), grid_(sample_grid(scenario_)) {}
 
+Evaluator::Evaluator(Scenario scenario, Reference reference) : Evaluator(std::move(scenario)) {
+  reference_ = std::move(reference);
+}
+
 const Reference& Evaluator::reference() {
   if (!reference_) reference_ = reference::solve_reference(scenario_, grid_);
   return *reference_;

@@ -21,6 +21,8 @@ class Evaluator {
  public:
   /// Throws UserError when the scenario's sampling does not fit its step.
   explicit Evaluator(Scenario scenario);
+  /// The same with a reference that another evaluator of the motion solved, whose rows stand at the same times.
+  Evaluator(Scenario scenario, Reference reference);
 
   const Scenario& scenario() const { return scenario_; }
   const SampleGrid& grid() const { return grid_; }

@@ -69,7 +69,7 @@ void lost_and_doubtful_points_do_not_count() {
   std::vector<ErrorPoint> points = halvings(8, first_order);
   const double plain = observed_order(points, anything)->order;
 
-  points[0].error = 17;  // lost
+  points[0].error = 17;                           // lost
   points[6] = {points[6].setting, 3e-3, 3.1e-4};  // 9.7 times its doubt
   points[7].error = std::numeric_limits<double>::quiet_NaN();
   const auto found = observed_order(points, 0.1);

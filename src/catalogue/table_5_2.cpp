@@ -1,0 +1,22 @@
+#include "catalogue/table_5_2.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace odeval::catalogue {
+
+bool is_of_table_5_2(const Scenario& scenario) {
+  const auto same = [](double a, double b) { return std::fabs(a - b) < 1e-9; };
+  if (scenario.problem->name != "double_pendulum" || !same(scenario.duration_s, 10) || !same(scenario.gravity, 9.81)) {
+    return false;
+  }
+  for (const Link& link : scenario.links) {
+    if (!same(link.mass_kg, 1) || !same(link.length_m, 1) || !same(link.width_m, 0.1)) return false;
+  }
+  constexpr double quarter = std::numbers::pi / 4;
+  return same(scenario.q0[0], quarter) && same(scenario.q0[1], -quarter) && same(scenario.qd0[0], 0) &&
+         same(scenario.qd0[1], 0);
+}
+
+}  // namespace odeval::catalogue

@@ -1,0 +1,29 @@
+#pragma once
+// CPU times of runs that take turns, so that a machine that slows down slows all of them.
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "catalogue/evaluation.hpp"
+
+namespace odeval::catalogue {
+
+/// A method in the settings of an evaluator, to be timed.
+struct TimedRun {
+  const Evaluator* evaluator;
+  const Method* method;
+  long steps = 0;
+  long evaluations = 0;         // of the equations of motion; 0 for an engine that does not say
+  std::vector<double> seconds;  // CPU time of the stepping alone, one a round
+  int batch = 1;                // runs that one time is the mean of
+
+  double median_s() const;
+  double mad_s() const;  // median absolute deviation
+};
+
+/// Times every run once a round, after a round that warms up and does not count. Simulations are made before the clock
+/// starts and record nothing. A run so short that the clock and cold caches would show is done several times over.
+/// `begins(0)` is called before the warm-up, `begins(k)` before round k.
+void time_in_turns(std::span<TimedRun> runs, int rounds, const std::function<void(int round)>& begins = {});
+
+}  // namespace odeval::catalogue
