@@ -8,6 +8,7 @@
 #include "odeval/error.hpp"
 #include "reference/analytic.hpp"
 #include "reference/cvode.hpp"
+#include "reference/dh_ode45.hpp"
 #include "reference/fixed_step.hpp"
 #include "reference/ode45.hpp"
 #include "reference/quad.hpp"
@@ -62,6 +63,9 @@ constexpr std::array table{
            generalized, 0, 0, 0, without_wall, reference::make_quad, Settings::none, mass_matrix},
     Method{"lagrange-ode45", "closed-form Lagrangian", "Dormand-Prince 5(4) as MATLAB's ode45", generalized, 0,
            reference::ode45_rtol, reference::ode45_atol, every, reference::make_ode45, Settings::none, mass_matrix},
+    Method{"dh-ode45", "recursive Newton-Euler from DH parameters", "Dormand-Prince 5(4) as MATLAB's ode45",
+           generalized, 0, reference::ode45_rtol, reference::ode45_atol, without_wall, reference::make_dh_ode45,
+           Settings::none, mass_matrix},
     Method{"lagrange-rk4", "closed-form Lagrangian", "classical Runge-Kutta, fixed step", generalized, 4, 0, 0, every,
            reference::make_rk4, Settings::none, mass_matrix},
     Method{"lagrange-euler", "closed-form Lagrangian", "explicit Euler, fixed step", generalized, 1, 0, 0, every,

@@ -1,0 +1,33 @@
+#pragma once
+// Method dh-ode45: recursive Newton-Euler from Denavit-Hartenberg parameters, integrated as lagrange-ode45 is.
+#include <array>
+#include <cstddef>
+#include <memory>
+
+#include "odeval/method.hpp"
+#include "reference/dh_chain.hpp"
+
+namespace odeval::reference {
+
+/// The chain as equations of motion for Ode45 (ode45_simulation.hpp); it has N joints.
+template <std::size_t N>
+class DhEquations {
+ public:
+  static constexpr std::size_t dof = N;
+  using State = std::array<double, 2 * N>;
+
+  explicit DhEquations(DhChain chain) : chain_(std::move(chain)) {}
+
+  void operator()(const State& y, State& dydt) {
+    for (std::size_t i = 0; i < N; ++i) dydt[i] = y[N + i];
+    chain_.accelerations(y.data(), y.data() + N, dydt.data() + N);
+  }
+
+ private:
+  DhChain chain_;
+};
+
+/// Rows are (q1..qn, qd1..qdn). Standard convention, as the report's D.4; no wall.
+std::unique_ptr<Simulation> make_dh_ode45(const Scenario& scenario, const SampleGrid& grid);
+
+}  // namespace odeval::reference
