@@ -1,6 +1,6 @@
 #include "reference/cvode_solver.hpp"
 
-#include <cvode/cvode.h>
+#include <cvodes/cvodes.h>
 #include <nvector/nvector_serial.h>
 #include <sundials/sundials_version.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
@@ -53,9 +53,36 @@ CvodeSolver::CvodeSolver(std::size_t size, RightSide right_side, Tolerances tole
   check(CVodeSetNonlinearSolver(cvode_.get(), iteration_.get()), "CVodeSetNonlinearSolver");
 }
 
+void CvodeSolver::follow_sensitivities(Jacobian jacobian) {
+  const int count = static_cast<int>(size_);
+  jacobian_ = std::move(jacobian);
+  jacobian_values_.resize(size_ * size_);
+  sensitivities_ = {N_VCloneVectorArray(count, y_.get()), FreeVectors{count}};
+  joint_iteration_.reset(SUNNonlinSol_FixedPointSens(count + 1, y_.get(), 0, context_.get()));
+  if (!sensitivities_ || !joint_iteration_) throw MachineError("CVODE: out of memory");
+  set_identity();
+  check(CVodeSensInit(cvode_.get(), count, CV_SIMULTANEOUS, evaluate_sensitivities, sensitivities_.get()),
+        "CVodeSensInit");
+  std::vector<double> absolute(size_, tolerances_.atol);
+  check(CVodeSensSStolerances(cvode_.get(), tolerances_.rtol, absolute.data()), "CVodeSensSStolerances");
+  check(CVodeSetSensErrCon(cvode_.get(), SUNTRUE), "CVodeSetSensErrCon");
+  check(CVodeSetNonlinearSolverSensSim(cvode_.get(), joint_iteration_.get()), "CVodeSetNonlinearSolverSensSim");
+}
+
+void CvodeSolver::set_identity() {
+  for (std::size_t j = 0; j < size_; ++j) {
+    N_VConst(0.0, sensitivities_[j]);
+    N_VGetArrayPointer(sensitivities_[j])[j] = 1;
+  }
+}
+
 void CvodeSolver::start(double t, const double* y) {
   std::copy_n(y, size_, N_VGetArrayPointer(y_.get()));
   check(CVodeReInit(cvode_.get(), t, y_.get()), "CVodeReInit");
+  if (sensitivities_) {
+    set_identity();
+    check(CVodeSensReInit(cvode_.get(), CV_SIMULTANEOUS, sensitivities_.get()), "CVodeSensReInit");
+  }
   end_ = t;
 }
 
@@ -74,6 +101,14 @@ void CvodeSolver::interpolate(double t, double* y) const {
   std::copy_n(N_VGetArrayPointer(between_.get()), size_, y);
 }
 
+void CvodeSolver::interpolate_sensitivities(double t, double* transition) const {
+  for (std::size_t j = 0; j < size_; ++j) {
+    check(CVodeGetSensDky1(cvode_.get(), t, 0, static_cast<int>(j), between_.get()), "CVodeGetSensDky1");
+    const double* column = N_VGetArrayPointer(between_.get());
+    for (std::size_t i = 0; i < size_; ++i) transition[i * size_ + j] = column[i];
+  }
+}
+
 std::string CvodeSolver::version() {
   std::array<char, 32> text{};
   SUNDIALSGetVersion(text.data(), static_cast<int>(text.size()));
@@ -87,6 +122,23 @@ int CvodeSolver::evaluate(double, N_Vector y, N_Vector dydt, void* self) {
   ++solver.evaluations_;
   const bool finite = std::all_of(slope, slope + solver.size_, [](double value) { return std::isfinite(value); });
   return finite ? 0 : 1;  // 1: CVODE may try a smaller step
+}
+
+int CvodeSolver::evaluate_sensitivities(int count, double, N_Vector y, N_Vector, N_Vector* s, N_Vector* dsdt,
+                                        void* self, N_Vector, N_Vector) {
+  auto& solver = *static_cast<CvodeSolver*>(self);
+  const std::size_t size = solver.size_;
+  solver.jacobian_(N_VGetArrayPointer(y), solver.jacobian_values_.data());
+  for (int k = 0; k < count; ++k) {
+    const double* const at = N_VGetArrayPointer(s[k]);
+    double* const rate = N_VGetArrayPointer(dsdt[k]);
+    for (std::size_t i = 0; i < size; ++i) {
+      rate[i] = 0;
+      for (std::size_t j = 0; j < size; ++j) rate[i] += solver.jacobian_values_[i * size + j] * at[j];
+      if (!std::isfinite(rate[i])) return 1;
+    }
+  }
+  return 0;
 }
 
 void CvodeSolver::keep_message(int, const char*, const char*, char* message, void* self) {

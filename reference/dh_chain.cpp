@@ -21,9 +21,8 @@ KDL::RigidBodyInertia inertia_of(const DhLink& link) {
 // convention the turn comes last, which is the same as a turn about the z of the tip frame before it.
 KDL::Segment segment_of(DhConvention convention, const DhLink& link) {
   const bool standard = convention == DhConvention::standard;
-  const KDL::Frame frame = standard
-                               ? KDL::Frame::DH(link.a_m, link.alpha_rad, link.d_m, link.offset_rad)
-                               : KDL::Frame::DH_Craig1989(link.a_m, link.alpha_rad, link.d_m, link.offset_rad);
+  const KDL::Frame frame = standard ? KDL::Frame::DH(link.a_m, link.alpha_rad, link.d_m, link.offset_rad)
+                                    : KDL::Frame::DH_Craig1989(link.a_m, link.alpha_rad, link.d_m, link.offset_rad);
   const KDL::Joint joint =
       standard ? KDL::Joint(KDL::Joint::RotZ) : KDL::Joint(frame.p, frame.M.UnitZ(), KDL::Joint::RotAxis);
   return KDL::Segment(joint, frame, inertia_of(link));
@@ -112,12 +111,8 @@ std::vector<DhLink> pendulum_links(const Scenario& scenario, DhConvention conven
     // Frame i lies at the far end of link i, or at its hinge.
     link.a_m = standard ? box.length_m : length_before;
     link.centre_m = {standard ? -box.length_m / 2 : box.length_m / 2, 0, 0};
-    link.inertia_kgm2 = {box.mass_kg * (across + deep) / 12,
-                         box.mass_kg * (along + deep) / 12,
-                         box.inertia_kgm2(),
-                         0,
-                         0,
-                         0};
+    link.inertia_kgm2 = {
+        box.mass_kg * (across + deep) / 12, box.mass_kg * (along + deep) / 12, box.inertia_kgm2(), 0, 0, 0};
     links.push_back(link);
     length_before = box.length_m;
   }

@@ -5,7 +5,8 @@
 //
 //   standard   Rot_z(theta) Trans_z(d) Trans_x(a) Rot_x(alpha)   frame i lies on the axis of joint i+1: a and alpha are
 //                                                                those of link i
-//   modified   Rot_x(alpha) Trans_x(a) Rot_z(theta) Trans_z(d)   frame i lies on the axis of joint i (Craig 1989): a and
+//   modified   Rot_x(alpha) Trans_x(a) Rot_z(theta) Trans_z(d)   frame i lies on the axis of joint i (Craig 1989): a
+//   and
 //                                                                alpha are those of link i-1
 //
 // with theta = q + offset. Joint i turns about z of frame i-1 (standard) or of frame i (modified).

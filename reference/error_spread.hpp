@@ -100,15 +100,22 @@ class FreeMotion {
 
   explicit FreeMotion(const Scenario& scenario) : equations_(scenario) {}
 
-  /// 1 + hJ + (hJ)^2 / 2 + (hJ)^3 / 6, J the Jacobian at the state half way.
-  Matrix<size> transition(const Vector<size>& middle, double h) const {
+  /// d(dy/dt)_i / dy_j, exact.
+  Matrix<size> jacobian(const Vector<size>& y) const {
     using Variable = Dual<double, size>;
     std::array<Variable, size> variables, slopes;
-    for (std::size_t i = 0; i < size; ++i) variables[i] = Variable(middle[i], i);
+    for (std::size_t i = 0; i < size; ++i) variables[i] = Variable(y[i], i);
     equations_(variables, slopes);
-    Matrix<size> step;
-    for (std::size_t i = 0; i < size; ++i) {
-      for (std::size_t j = 0; j < size; ++j) step[i][j] = h * slopes[i].slope[j];
+    Matrix<size> derivatives;
+    for (std::size_t i = 0; i < size; ++i) derivatives[i] = slopes[i].slope;
+    return derivatives;
+  }
+
+  /// 1 + hJ + (hJ)^2 / 2 + (hJ)^3 / 6, J the Jacobian at the state half way.
+  Matrix<size> transition(const Vector<size>& middle, double h) const {
+    Matrix<size> step = jacobian(middle);
+    for (auto& row : step) {
+      for (double& entry : row) entry *= h;
     }
     // Horner's rule.
     Matrix<size> sum{};
