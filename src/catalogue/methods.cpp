@@ -10,6 +10,7 @@
 #include "reference/cvode.hpp"
 #include "reference/dh_ode45.hpp"
 #include "reference/fixed_step.hpp"
+#include "reference/maximal/ode_step_simulation.hpp"
 #include "reference/ode45.hpp"
 #include "reference/quad.hpp"
 #include "scenario/nearest.hpp"
@@ -72,6 +73,8 @@ constexpr std::array table{
            reference::make_euler, Settings::none, mass_matrix},
     Method{"lagrange-symplectic-euler", "closed-form Lagrangian", "symplectic Euler, fixed step", generalized, 1, 0, 0,
            every, reference::make_symplectic_euler, Settings::none, mass_matrix},
+    Method{"maximal-ode-step", "one dWorldStep rebuilt", "ODE's own scheme, fixed step", cartesian, 1, 0, 0, every,
+           reference::make_maximal_ode_step, Settings::ode, hinge_rows_cfm},
     Method{"analytic", "closed form", "Jacobi elliptic functions", generalized, 0, 0, 0, closed_form,
            reference::make_analytic, Settings::none, mass_matrix},
 };

@@ -114,6 +114,7 @@ int main() {
   }
   check_sampling("ode-step-double");
   check_sampling("ode-quickstep-single");
+  check_sampling("maximal-ode-step");
   check_seed();
   return test::verdict();
 }

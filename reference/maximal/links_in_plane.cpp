@@ -1,0 +1,75 @@
+#include "reference/maximal/links_in_plane.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <cstring>
+
+namespace odeval::reference::maximal {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+std::vector<LinkInPlane> links_at_start(const Scenario& scenario) {
+  std::vector<LinkInPlane> links;
+  LinkInPlane near{};  // the end of the link before: its place and velocity, and that link's angle and rate
+  for (std::size_t i = 0; i < scenario.links.size(); ++i) {
+    const double angle = near.angle + scenario.q0[i];
+    const double rate = near.rate + scenario.qd0[i];
+    const auto along = [&](double s) {
+      return LinkInPlane{near.x + s * std::cos(angle),
+                         near.y + s * std::sin(angle),
+                         angle,
+                         near.vx - s * rate * std::sin(angle),
+                         near.vy + s * rate * std::cos(angle),
+                         rate};
+    };
+    links.push_back(along(scenario.links[i].length_m / 2));
+    near = along(scenario.links[i].length_m);
+  }
+  return links;
+}
+
+PlaneInWorld::PlaneInWorld(const PlanarFrame& frame)
+    : hinge_(eigen(frame.hinge_m)),
+      horizontal_(eigen(frame.horizontal)),
+      up_(eigen(frame.up)),
+      axis_(eigen(frame.axis())),
+      along_body_(eigen(frame.along_body)),
+      across_body_(eigen(frame.across_body)) {}
+
+Matrix3d PlaneInWorld::rotation(double angle) const {
+  const Vector3d along = direction(std::cos(angle), std::sin(angle));
+  const Vector3d across = axis_.cross(along);
+  return along * along_body_.transpose() + across * across_body_.transpose() +
+         axis_ * along_body_.cross(across_body_).transpose();
+}
+
+double PlaneInWorld::angle(const Matrix3d& rotation, double near) const {
+  const Vector3d along = rotation * along_body_;
+  const double angle = std::atan2(along.dot(up_), along.dot(horizontal_));
+  constexpr double turn = 2 * std::numbers::pi;
+  return angle + turn * std::round((near - angle) / turn);
+}
+
+Vector3d PlaneInWorld::box_sides(const Link& link) const {
+  return along_body_.cwiseAbs() * link.length_m + across_body_.cwiseAbs() * link.width_m +
+         along_body_.cross(across_body_).cwiseAbs() * link.depth_m;
+}
+
+BodyState body_state(const Vector3d& position, const Matrix3d& rotation, const Vector3d& velocity, const Vector3d& spin,
+                     const Vector3d& joint_force, double angle) {
+  BodyState state;
+  Vector3d::Map(state.position) = position;
+  Eigen::Matrix<double, 3, 3, Eigen::RowMajor>::Map(state.rotation) = rotation;
+  Vector3d::Map(state.velocity) = velocity;
+  Vector3d::Map(state.spin) = spin;
+  Vector3d::Map(state.joint_force) = joint_force;
+  state.angle = angle;
+  return state;
+}
+
+void put(double* row, std::size_t link, const BodyState& state) {
+  std::memcpy(row + link * body_numbers, &state, sizeof state);
+}
+
+}  // namespace odeval::reference::maximal

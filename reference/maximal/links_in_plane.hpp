@@ -1,0 +1,50 @@
+#pragma once
+// The links of a pendulum as rigid bodies in their plane of motion, and how that plane lies in the world.
+#include <Eigen/Core>
+#include <numbers>
+#include <vector>
+
+#include "odeval/method.hpp"
+#include "odeval/scenario.hpp"
+
+namespace odeval::reference::maximal {
+
+/// One link: centre of mass from the first hinge (x along PlanarFrame::horizontal, y along up), absolute angle.
+struct LinkInPlane {
+  double x, y, angle;
+  double vx, vy, rate;
+};
+
+/// The links at t = 0, joints closed.
+std::vector<LinkInPlane> links_at_start(const Scenario& scenario);
+
+inline Eigen::Vector3d eigen(const Vec3& v) { return {v[0], v[1], v[2]}; }
+
+/// The plane in the world.
+class PlaneInWorld {
+ public:
+  explicit PlaneInWorld(const PlanarFrame& frame);
+
+  Eigen::Vector3d axis() const { return axis_; }
+  Eigen::Vector3d point(double x, double y) const { return hinge_ + direction(x, y); }
+  Eigen::Vector3d direction(double x, double y) const { return x * horizontal_ + y * up_; }
+  /// Body to world, of a link at that angle.
+  Eigen::Matrix3d rotation(double angle) const;
+  /// Absolute angle of a link so turned, on the branch nearest to `near`.
+  double angle(const Eigen::Matrix3d& rotation, double near) const;
+  /// Side lengths of the link's box along its body axes.
+  Eigen::Vector3d box_sides(const Link& link) const;
+
+ private:
+  Eigen::Vector3d hinge_, horizontal_, up_, axis_;
+  Eigen::Vector3d along_body_, across_body_;
+};
+
+/// A link's share of a recorded row.
+BodyState body_state(const Eigen::Vector3d& position, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& velocity,
+                     const Eigen::Vector3d& spin, const Eigen::Vector3d& joint_force, double angle);
+
+/// Writes a link's share into a row.
+void put(double* row, std::size_t link, const BodyState& state);
+
+}  // namespace odeval::reference::maximal
