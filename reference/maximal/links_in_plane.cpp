@@ -16,12 +16,8 @@ std::vector<LinkInPlane> links_at_start(const Scenario& scenario) {
     const double angle = near.angle + scenario.q0[i];
     const double rate = near.rate + scenario.qd0[i];
     const auto along = [&](double s) {
-      return LinkInPlane{near.x + s * std::cos(angle),
-                         near.y + s * std::sin(angle),
-                         angle,
-                         near.vx - s * rate * std::sin(angle),
-                         near.vy + s * rate * std::cos(angle),
-                         rate};
+      return LinkInPlane{near.x + s * std::cos(angle),         near.y + s * std::sin(angle),         angle,
+                         near.vx - s * rate * std::sin(angle), near.vy + s * rate * std::cos(angle), rate};
     };
     links.push_back(along(scenario.links[i].length_m / 2));
     near = along(scenario.links[i].length_m);

@@ -63,8 +63,7 @@ int OdeStep::add_hinge(int body0, int body1, const Vector3d& anchor, const Vecto
     if (number == world) return axis;
     return body(number).rotation.transpose() * axis;
   };
-  hinges_.push_back(
-      {body0, body1, local_point(body0), local_axis(body0), local_point(body1), local_axis(body1)});
+  hinges_.push_back({body0, body1, local_point(body0), local_axis(body0), local_point(body1), local_axis(body1)});
   return static_cast<int>(hinges_.size()) - 1;
 }
 
@@ -119,7 +118,8 @@ void OdeStep::add_gyroscopic_torque(Moving& body, double h) const {
   if (invertible) body.torque += (inertia * (inverse * momentum) - momentum) / h;
 }
 
-// Sums stand in ODE's order: ERP/h turns an ulp of a coordinate into 1e-13 m/s. Rows 0 to 2 hold the anchors together, rows 3 and 4 the axes.
+// Sums stand in ODE's order: ERP/h turns an ulp of a coordinate into 1e-13 m/s. Rows 0 to 2 hold the anchors together,
+// rows 3 and 4 the axes.
 void OdeStep::set_hinge_rows(const Hinge& hinge, Row* rows, double erp_over_h) const {
   const Body& body0 = body(hinge.body0);
   const Vector3d arm0 = body0.rotation * hinge.anchor0;

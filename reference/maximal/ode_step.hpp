@@ -21,13 +21,13 @@ namespace odeval::reference::maximal {
 
 /// A rigid body, world frame where nothing else is said.
 struct Body {
-  double mass = 1;                                                 // kg
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity();           // about the centre, body frame, kg m²
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();              // centre of mass, m
-  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity(); // body to world
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();          // the same; set_orientation keeps both together
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();              // m/s
-  Eigen::Vector3d spin = Eigen::Vector3d::Zero();                  // rad/s
+  double mass = 1;                                                  // kg
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity();            // about the centre, body frame, kg m²
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();               // centre of mass, m
+  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  // body to world
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();           // the same; set_orientation keeps both together
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();               // m/s
+  Eigen::Vector3d spin = Eigen::Vector3d::Zero();                   // rad/s
 
   void set_orientation(const Eigen::Quaterniond& unit);
 };
@@ -63,9 +63,9 @@ enum class Gyroscopic { implicit_linear, explicit_torque, none };
 struct OdeStepSettings {
   double erp = 0.2;
   double cfm = 1e-5;
-  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  // m/s²
-  double bounce = 0;                                  // restitution of contacts
-  double bounce_vel = 0;                              // m/s: slower contacts do not bounce
+  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();                    // m/s²
+  double bounce = 0;                                                    // restitution of contacts
+  double bounce_vel = 0;                                                // m/s: slower contacts do not bounce
   double max_correcting_vel = std::numeric_limits<double>::infinity();  // m/s
   double surface_layer = 0;                                             // m
   Gyroscopic gyroscopic = Gyroscopic::implicit_linear;
@@ -78,8 +78,8 @@ class OdeStep {
   /// The body's number.
   int add_body(const Body& body);
 
-  /// Joins two bodies, or one to the world, at their present pose. Anchor and axis in the world frame; the axis is unit.
-  /// Returns the hinge's number. A second hinge in the place of another is allowed: CFM makes it solvable.
+  /// Joins two bodies, or one to the world, at their present pose. Anchor and axis in the world frame; the axis is
+  /// unit. Returns the hinge's number. A second hinge in the place of another is allowed: CFM makes it solvable.
   int add_hinge(int body0, int body1, const Eigen::Vector3d& anchor, const Eigen::Vector3d& axis);
 
   Body& body(int number) { return bodies_[static_cast<std::size_t>(number)].now; }
@@ -126,7 +126,9 @@ class OdeStep {
   void set_system(double h);
   void move(double h);
 
-  const Moving* moving(int number) const { return number == world ? nullptr : &bodies_[static_cast<std::size_t>(number)]; }
+  const Moving* moving(int number) const {
+    return number == world ? nullptr : &bodies_[static_cast<std::size_t>(number)];
+  }
   double velocity_along(const Row& row) const;
 
   OdeStepSettings settings_;

@@ -1,4 +1,5 @@
-// The rebuilt dWorldStep is dWorldStep: from ODE's state before each step it computes ODE's state after it, to rounding.
+// The rebuilt dWorldStep is dWorldStep: from ODE's state before each step it computes ODE's state after it, to
+// rounding.
 //
 // ODE runs a scene; before each of its steps the rebuilt one is given its state and its contacts, takes the same step,
 // and is compared. The deviation is the largest |difference| / max(1, |value|) over x, q, v and w of all bodies.
@@ -130,7 +131,8 @@ class Library {
     dMassSetBoxTotal(&mass, part.mass, part.sides.x(), part.sides.y(), part.sides.z());
     dBodySetMass(body, &mass);
     const Matrix3d& r = part.rotation;
-    const dMatrix3 rotation = {r(0, 0), r(0, 1), r(0, 2), 0, r(1, 0), r(1, 1), r(1, 2), 0, r(2, 0), r(2, 1), r(2, 2), 0};
+    const dMatrix3 rotation = {r(0, 0), r(0, 1), r(0, 2), 0,       r(1, 0), r(1, 1),
+                               r(1, 2), 0,       r(2, 0), r(2, 1), r(2, 2), 0};
     dBodySetRotation(body, rotation);
     dBodySetPosition(body, part.position.x(), part.position.y(), part.position.z());
     dBodySetLinearVel(body, part.velocity.x(), part.velocity.y(), part.velocity.z());
@@ -142,7 +144,9 @@ class Library {
   }
 
   void add(const Joint& joint, dJointFeedback& feedback) {
-    const auto body = [this](int number) { return number == world ? nullptr : bodies_[static_cast<std::size_t>(number)]; };
+    const auto body = [this](int number) {
+      return number == world ? nullptr : bodies_[static_cast<std::size_t>(number)];
+    };
     const dJointID hinge = dJointCreateHinge(world_, nullptr);
     dJointAttach(hinge, body(joint.body0), body(joint.body1));
     dJointSetHingeAnchor(hinge, joint.anchor.x(), joint.anchor.y(), joint.anchor.z());
@@ -263,7 +267,9 @@ Scene wall_pendulum(double bounce) {
   const double angle = -0.3;
   const Vector3d along(std::cos(angle), 0, std::sin(angle));
   Scene scene{"bounce on the wall",
-              {{1, {0.3, 0.1, 0.1}, Vector3d(1, 0, 3) + 0.15 * along,
+              {{1,
+                {0.3, 0.1, 0.1},
+                Vector3d(1, 0, 3) + 0.15 * along,
                 AngleAxisd(-angle, Vector3d::UnitY()).toRotationMatrix()}},
               {{0, world, {1, 0, 3}, Vector3d::UnitY()}},
               report_settings(),
@@ -276,8 +282,12 @@ Scene wall_pendulum(double bounce) {
 // A free box thrown at the wall, corner first: contacts come and go, one to four of them.
 Scene thrown_box() {
   Scene scene{"box thrown at the wall",
-              {{1, {0.2, 0.3, 0.4}, {0.3, 0, 0}, AngleAxisd(0.6, Vector3d(1, 2, 3).normalized()).toRotationMatrix(),
-                {-0.5, 0.2, 0}, {1, -2, 0.5}}},
+              {{1,
+                {0.2, 0.3, 0.4},
+                {0.3, 0, 0},
+                AngleAxisd(0.6, Vector3d(1, 2, 3).normalized()).toRotationMatrix(),
+                {-0.5, 0.2, 0},
+                {1, -2, 0.5}}},
               {},
               report_settings(),
               0.0};
@@ -288,8 +298,8 @@ Scene thrown_box() {
   return scene;
 }
 
-// 1e-12 is the project's promise. Measured: 1e-15 (double pendulum) to 5e-14 (spatial pendulum, where the joints'
-// forces are 1e3 N). Forces are velocities divided by h; measured up to 7e-12.
+// 1e-12 is the project's promise. Measured: 1e-15 (double pendulum) to 5e-14 (spatial pendulum). Forces are velocities
+// divided by h; measured up to 7e-12.
 void check_equal(const Scene& scene, long least_touches) {
   const Deviation found = compare(scene, scene);
   std::printf("%s: %.2g a step over %ld steps, %ld touches, forces %.2g\n", scene.name, found.state, scene.steps,
@@ -374,7 +384,8 @@ void check_contacts_against_collider() {
     body.position = Vector3d(1, 0, 3) + 0.5 * along;
     body.rotation = AngleAxisd(-angle, Vector3d::UnitY()).toRotationMatrix();
     const Matrix3d& r = body.rotation;
-    const dMatrix3 rotation = {r(0, 0), r(0, 1), r(0, 2), 0, r(1, 0), r(1, 1), r(1, 2), 0, r(2, 0), r(2, 1), r(2, 2), 0};
+    const dMatrix3 rotation = {r(0, 0), r(0, 1), r(0, 2), 0,       r(1, 0), r(1, 1),
+                               r(1, 2), 0,       r(2, 0), r(2, 1), r(2, 2), 0};
     dGeomSetRotation(link, rotation);
     dGeomSetPosition(link, body.position.x(), body.position.y(), body.position.z());
     dContactGeom found[8];
