@@ -23,7 +23,8 @@ struct BodyState {
   double rotation[9];     // body to world, by rows
   double velocity[3];     // of the centre of mass, m/s
   double spin[3];         // rad/s
-  double joint_force[3];  // of this link's joint on it, in the step that led to the row, N; row 0: the first step's
+  double joint_force[3];  // of this link's joint on it, N; an engine's is that of the step that led to the row (row 0:
+                          // the first step's)
   double angle;           // absolute, of the link's direction, followed from step to step so that no turn is lost, rad
 };
 inline constexpr std::size_t body_numbers = sizeof(BodyState) / sizeof(double);

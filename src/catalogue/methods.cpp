@@ -10,6 +10,7 @@
 #include "reference/cvode.hpp"
 #include "reference/dh_ode45.hpp"
 #include "reference/fixed_step.hpp"
+#include "reference/maximal/fixed_step.hpp"
 #include "reference/maximal/ode_step_simulation.hpp"
 #include "reference/ode45.hpp"
 #include "reference/quad.hpp"
@@ -45,6 +46,7 @@ constexpr auto cartesian = Coordinates::cartesian;
 constexpr auto mass_matrix = SystemMatrix::mass_matrix;
 constexpr auto hinge_rows = SystemMatrix::hinge_rows;
 constexpr auto hinge_rows_cfm = SystemMatrix::hinge_rows_cfm;
+constexpr auto planar_joints = SystemMatrix::planar_joints;
 
 constexpr std::array table{
     Method{"ode-step-double", "ODE bodies and joints", "dWorldStep, double precision", cartesian, 1, 0, 0, every,
@@ -73,6 +75,10 @@ constexpr std::array table{
            reference::make_euler, Settings::none, mass_matrix},
     Method{"lagrange-symplectic-euler", "closed-form Lagrangian", "symplectic Euler, fixed step", generalized, 1, 0, 0,
            every, reference::make_symplectic_euler, Settings::none, mass_matrix},
+    Method{"maximal-euler", "Newton-Euler with Lagrange multipliers", "explicit Euler, fixed step", cartesian, 1, 0, 0,
+           without_wall, reference::make_maximal_euler, Settings::maximal, planar_joints},
+    Method{"maximal-rk4", "Newton-Euler with Lagrange multipliers", "classical Runge-Kutta, fixed step", cartesian, 4,
+           0, 0, without_wall, reference::make_maximal_rk4, Settings::maximal, planar_joints},
     Method{"maximal-ode-step", "one dWorldStep rebuilt", "ODE's own scheme, fixed step", cartesian, 1, 0, 0, every,
            reference::make_maximal_ode_step, Settings::ode, hinge_rows_cfm},
     Method{"analytic", "closed form", "Jacobi elliptic functions", generalized, 0, 0, 0, closed_form,

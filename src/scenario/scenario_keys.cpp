@@ -97,9 +97,9 @@ constexpr KeyRow rows[] = {
   {"ode", "seed",               whole,  "",       0, 4294967295, false, nullptr, "0", "of ODE's random numbers (QuickStep)",
       [](S& s, const V& v) { s.ode.seed = static_cast<std::uint32_t>(v.number); }},
 
-  {"maximal", "ks", number, "1/s²", 0, 1e14, false, nullptr, "1e4", "feedback of a joint's position error",
+  {"maximal", "ks", number, "1/s²", 0, 1e14, false, nullptr, "400", "feedback of a joint's position error",
       [](S& s, const V& v) { s.maximal.ks = v.number; }},
-  {"maximal", "kd", number, "1/s",  0, 1e8,  false, nullptr, "200", "feedback of a joint's velocity error",
+  {"maximal", "kd", number, "1/s",  0, 1e8,  false, nullptr, "40", "feedback of a joint's velocity error",
       [](S& s, const V& v) { s.maximal.kd = v.number; }},
 
   {"tolerances", "method",   word,   "",  0, 0,       false, method_names, "", "whose metric",
