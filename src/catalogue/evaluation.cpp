@@ -16,6 +16,18 @@ std::size_t row_width(const Method& method, const Scenario& scenario) {
   return method.coordinates == Coordinates::generalized ? 2 * links : links * body_numbers + 1;
 }
 
+// ODE's stored velocities belong to the middle of the step before (claim O1). The half-step start gives it those: the
+// velocities of t = -h/2, to first order.
+std::unique_ptr<Simulation> make_as_asked(const Method& method, const Scenario& scenario, const SampleGrid& grid) {
+  if (method.settings != Settings::ode || scenario.ode.start != Start::half_step) {
+    return method.make(scenario, grid);
+  }
+  Scenario earlier = scenario;
+  const std::vector<double> acceleration = reference::joint_accelerations(scenario, scenario.q0, scenario.qd0);
+  for (std::size_t i = 0; i < earlier.qd0.size(); ++i) earlier.qd0[i] -= acceleration[i] * scenario.step_s / 2;
+  return method.make(earlier, grid);
+}
+
 }  // namespace
 
 double cpu_seconds() {
@@ -35,20 +47,16 @@ const Reference& Evaluator::reference() {
   return *reference_;
 }
 
-// ODE's stored velocities belong to the middle of the step before (claim O1). The half-step start gives it those: the
-// velocities of t = -h/2, to first order.
 std::unique_ptr<Simulation> Evaluator::make(const Method& method) const {
-  if (method.settings != Settings::ode || scenario_.ode.start != Start::half_step) {
-    return method.make(scenario_, grid_);
-  }
-  Scenario earlier = scenario_;
-  const std::vector<double> acceleration = reference::joint_accelerations(scenario_, scenario_.q0, scenario_.qd0);
-  for (std::size_t i = 0; i < earlier.qd0.size(); ++i) earlier.qd0[i] -= acceleration[i] * scenario_.step_s / 2;
-  return method.make(earlier, grid_);
+  return make_as_asked(method, scenario_, grid_);
 }
 
-Evaluation Evaluator::evaluate(const Method& method) {
-  const std::unique_ptr<Simulation> simulation = make(method);
+Evaluation Evaluator::evaluate(const Method& method) { return evaluate(method, scenario_.ode); }
+
+Evaluation Evaluator::evaluate(const Method& method, const OdeSettings& ode) {
+  Scenario changed = scenario_;
+  changed.ode = ode;
+  const std::unique_ptr<Simulation> simulation = make_as_asked(method, changed, grid_);
   Rows rows(row_width(method, scenario_), static_cast<std::size_t>(grid_.rows));
   const double start = cpu_seconds();
   Outcome outcome = simulation->run(&rows);

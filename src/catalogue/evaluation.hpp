@@ -36,6 +36,9 @@ class Evaluator {
   /// The trace holds the errors against the reference.
   Evaluation evaluate(const Method& method);
 
+  /// The same with other settings of the engine, on which the reference does not depend.
+  Evaluation evaluate(const Method& method, const OdeSettings& ode);
+
   Metrics measure(const Evaluation& evaluation, double until_s);
 
  private:

@@ -1,0 +1,114 @@
+#include "experiments/parts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace odeval::experiments {
+
+using catalogue::Evaluation;
+using catalogue::Evaluator;
+using report::Finding;
+using report::Missing;
+using report::Series;
+using report::Shade;
+
+namespace {
+
+constexpr double rounding_s = 1e-9;  // far below the least step, far above the rounding of times
+
+}  // namespace
+
+Series curve(std::string label, const Column& x, const Column& y, int colour, bool dashed) {
+  return {std::move(label), thinned(x), thinned(y), report::Mark::line, colour, dashed};
+}
+
+Span rows_between(const Column& t, double from_s, double until_s) {
+  const auto first = std::lower_bound(t.begin(), t.end(), from_s - rounding_s);
+  const auto end = std::upper_bound(first, t.end(), until_s + rounding_s);
+  return {static_cast<std::size_t>(first - t.begin()), static_cast<std::size_t>(end - t.begin())};
+}
+
+Column part(const Column& column, const Span& span) {
+  const auto begin = column.begin();
+  return {begin + static_cast<std::ptrdiff_t>(span.first), begin + static_cast<std::ptrdiff_t>(span.end)};
+}
+
+Column total_energy(const Trace& trace) {
+  Column energy(trace.rows());
+  for (std::size_t k = 0; k < energy.size(); ++k) energy[k] = trace.kinetic[k] + trace.potential[k];
+  return energy;
+}
+
+Column energy_drift(const Trace& trace) {
+  Column drift = total_energy(trace);
+  const double start = drift.empty() ? 0 : drift.front();
+  for (double& value : drift) value -= start;
+  return drift;
+}
+
+Column largest_error(const Trace& trace) {
+  Column largest(trace.rows(), 0.0);
+  for (const Column& error : trace.error_q) {
+    for (std::size_t k = 0; k < largest.size(); ++k) largest[k] = std::max(largest[k], std::fabs(error[k]));
+  }
+  return largest;
+}
+
+Column above_zero(Column column) {
+  for (double& value : column) {
+    if (!(value > 0)) value = std::numeric_limits<double>::quiet_NaN();
+  }
+  return column;
+}
+
+std::optional<Shade> lost_shade(Evaluator& evaluator, const Evaluation& run) {
+  const Metrics metrics = evaluator.measure(run, evaluator.scenario().duration_s);
+  if (metrics.divergence_time) {
+    return Shade{*metrics.divergence_time,
+                 fmt::format("from {} s on the angles are off by more than {} rad: the motion shown is another one",
+                             shown(*metrics.divergence_time), divergence_rad)};
+  }
+  if (metrics.reference_lost_at) {
+    return Shade{*metrics.reference_lost_at,
+                 fmt::format("from {} s on the reference knows its angles no better than {} rad: nobody can tell",
+                             shown(*metrics.reference_lost_at), divergence_rad)};
+  }
+  return std::nullopt;
+}
+
+Finding measured(std::string meaning, std::string unit, double value, double uncertainty) {
+  if (!std::isfinite(value) || !std::isfinite(uncertainty)) {
+    return unavailable(std::move(meaning), std::move(unit), "a run did not stay finite");
+  }
+  return {std::move(meaning), std::move(unit), value, uncertainty, {}};
+}
+
+Finding measured_ratio(std::string meaning, double a, double b, double doubt_a, double doubt_b) {
+  const double ratio = a / b;
+  return measured(std::move(meaning), "", ratio, std::fabs(ratio) * (doubt_a / std::fabs(a) + doubt_b / std::fabs(b)));
+}
+
+Finding unavailable(std::string meaning, std::string unit, std::string why) {
+  return {std::move(meaning), std::move(unit), std::nullopt, 0, std::move(why)};
+}
+
+std::string shown(double number) { return fmt::format("{:.3g}", number); }
+
+report::Cell cell(const std::optional<double>& number, std::string_view why_not) {
+  if (number) return *number;
+  return Missing{std::string(why_not)};
+}
+
+double error_until(Evaluator& evaluator, const Evaluation& run, double until_s) {
+  return evaluator.measure(run, until_s).max_error_q.value_or(std::numeric_limits<double>::quiet_NaN());
+}
+
+double uncertainty_until(Evaluator& evaluator, const Evaluation& run, double until_s) {
+  return evaluator.measure(run, until_s).reference_uncertainty.value_or(std::numeric_limits<double>::quiet_NaN());
+}
+
+}  // namespace odeval::experiments

@@ -1,0 +1,54 @@
+#pragma once
+// What sections are made of: curves of traces, shades, findings of measured numbers.
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "experiments/experiment.hpp"
+
+namespace odeval::experiments {
+
+/// Curves over one axis, thinned to what a plot can show.
+report::Series curve(std::string label, const Column& x, const Column& y, int colour = -1, bool dashed = false);
+
+/// The rows with from <= t <= until.
+struct Span {
+  std::size_t first = 0;
+  std::size_t end = 0;  // one past
+};
+Span rows_between(const Column& t, double from_s, double until_s);
+Column part(const Column& column, const Span& span);
+
+/// Energy - energy at t = 0, J.
+Column energy_drift(const Trace& trace);
+Column total_energy(const Trace& trace);
+
+/// The largest |angle error| of each sample, rad.
+Column largest_error(const Trace& trace);
+
+/// For an axis of powers of ten: a value of 0 or less becomes a gap.
+Column above_zero(Column column);
+
+/// From where on a trace tells nothing: its own error passes 0.1 rad, or the reference knows its angles no better.
+/// Nothing when neither happens.
+std::optional<report::Shade> lost_shade(catalogue::Evaluator& evaluator, const catalogue::Evaluation& run);
+
+/// A finding that has its value only when that is finite.
+report::Finding measured(std::string meaning, std::string unit, double value, double uncertainty = 0);
+
+/// a / b, where each may be off by `doubt_a`, `doubt_b`; the doubt is that of first order.
+report::Finding measured_ratio(std::string meaning, double a, double b, double doubt_a = 0, double doubt_b = 0);
+
+report::Finding unavailable(std::string meaning, std::string unit, std::string why);
+
+/// A number in running text: three digits.
+std::string shown(double number);
+
+/// For a table: the number, or why there is none.
+report::Cell cell(const std::optional<double>& number, std::string_view why_not);
+
+/// The largest angle error until a time, which a run that blew up has no number for.
+double error_until(catalogue::Evaluator& evaluator, const catalogue::Evaluation& run, double until_s);
+double uncertainty_until(catalogue::Evaluator& evaluator, const catalogue::Evaluation& run, double until_s);
+
+}  // namespace odeval::experiments
