@@ -8,5 +8,20 @@ using report::Findings;
 using report::Section;
 
 Section snapshots(Laboratory& laboratory, Findings& findings);
+Section double_pendulum(Laboratory& laboratory, Findings& findings);
+Section accuracy(Laboratory& laboratory, Findings& findings);
+Section energy(Laboratory& laboratory, Findings& findings);
+Section energy_feedback(Laboratory& laboratory, Findings& findings);
+Section wall_pendulum(Laboratory& laboratory, Findings& findings);
+Section contact_delay(Laboratory& laboratory, Findings& findings);
+Section quickstep(Laboratory& laboratory, Findings& findings);
+Section half_step(Laboratory& laboratory, Findings& findings);
+Section half_step_erp(Laboratory& laboratory, Findings& findings);
+Section half_step_energy(Laboratory& laboratory, Findings& findings);
+Section order(Laboratory& laboratory, Findings& findings);
+Section sensitivity(Laboratory& laboratory, Findings& findings);
+Section denavit_hartenberg(Laboratory& laboratory, Findings& findings);
+Section single_pendulum(Laboratory& laboratory, Findings& findings);
+Section remedy(Laboratory& laboratory, Findings& findings);
 
 }  // namespace odeval::experiments

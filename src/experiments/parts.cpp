@@ -50,6 +50,11 @@ Column energy_drift(const Trace& trace) {
   return drift;
 }
 
+Column sizes(Column column) {
+  for (double& value : column) value = std::fabs(value);
+  return column;
+}
+
 Column largest_error(const Trace& trace) {
   Column largest(trace.rows(), 0.0);
   for (const Column& error : trace.error_q) {

@@ -23,6 +23,8 @@ Column part(const Column& column, const Span& span);
 Column energy_drift(const Trace& trace);
 Column total_energy(const Trace& trace);
 
+Column sizes(Column column);
+
 /// The largest |angle error| of each sample, rad.
 Column largest_error(const Trace& trace);
 

@@ -1,0 +1,145 @@
+// The motion of the double pendulum in three methods: the report's Figures 5.9, 5.11 and 5.12.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "experiments/all.hpp"
+#include "experiments/parts.hpp"
+
+namespace odeval::experiments {
+namespace {
+
+using catalogue::Evaluation;
+using report::Figure;
+using report::Panel;
+using report::Series;
+using report::Shade;
+
+struct Wanted {
+  const char* method;
+  const char* name;
+  const char* of_2010;
+};
+constexpr Wanted wanted[] = {
+    {"ode-step-double", "fig-5-9", "Figure 5.9"},
+    {"lagrange-euler", "fig-5-11", "Figure 5.11"},
+    {"lagrange-ode45", "fig-5-12", "Figure 5.12"},
+};
+
+/// A curve in a plane, drawn on with dashes from where time does not tell any more.
+void add_path(Panel& panel, const std::string& label, const Column& t, const Column& x, const Column& y, int colour,
+              const std::optional<Shade>& shade) {
+  const double until = shade ? shade->from : t.back();
+  const Span sound = rows_between(t, 0, until);
+  panel.series.push_back(curve(label, part(x, sound), part(y, sound), colour));
+  if (!shade) return;
+  const Span lost = rows_between(t, until, t.back());
+  panel.series.push_back(curve(label + ", lost", part(x, lost), part(y, lost), colour, true));
+}
+
+struct Path {
+  Column across;  // m, from the first hinge
+  Column up;      // m
+};
+
+/// Centre of mass of each link in the plane of motion: from the bodies themselves, or from angles and lengths.
+std::vector<Path> centres(const Scenario& scenario, const Trace& trace) {
+  const PlanarFrame& frame = scenario.problem->frame;
+  std::vector<Path> paths(scenario.links.size(), {Column(trace.rows()), Column(trace.rows())});
+  for (std::size_t k = 0; k < trace.rows(); ++k) {
+    double angle = 0;
+    double across = 0;
+    double up = 0;
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+      if (!trace.bodies.empty()) {
+        Vec3 from_hinge;
+        for (std::size_t d = 0; d < 3; ++d) from_hinge[d] = trace.bodies[i].position[d][k] - frame.hinge_m[d];
+        paths[i].across[k] = dot(from_hinge, frame.horizontal);
+        paths[i].up[k] = dot(from_hinge, frame.up);
+        continue;
+      }
+      const double half = scenario.links[i].length_m / 2;
+      angle += trace.q[i][k];
+      paths[i].across[k] = across + half * std::cos(angle);
+      paths[i].up[k] = up + half * std::sin(angle);
+      across += 2 * half * std::cos(angle);
+      up += 2 * half * std::sin(angle);
+    }
+  }
+  return paths;
+}
+
+Panel over_time(const char* what, std::vector<Series> series, const std::optional<Shade>& shade) {
+  return {.x_label = "t, s", .y_label = what, .series = std::move(series), .shade = shade};
+}
+
+std::vector<Series> per_joint(const Trace& trace, const std::vector<Column>& columns, const char* letter) {
+  std::vector<Series> series;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    series.push_back(curve(letter + std::to_string(i + 1), trace.t, columns[i], static_cast<int>(i)));
+  }
+  return series;
+}
+
+Figure figure(const Wanted& which, catalogue::Evaluator& evaluator, const Evaluation& run) {
+  const Trace& trace = run.trace;
+  const Scenario& scenario = evaluator.scenario();
+  const std::optional<Shade> shade = lost_shade(evaluator, run);
+
+  Figure figure{which.name, fmt::format("{} again: {}", which.of_2010, which.method), {}, {}, 2};
+  figure.panels.push_back(over_time("angle, rad", per_joint(trace, trace.q, "q"), shade));
+  figure.panels.push_back(over_time("rate, rad/s", per_joint(trace, trace.qd, "rate of q"), shade));
+
+  const std::vector<Path> paths = centres(scenario, trace);
+  Panel way{.x_label = "across, m from the hinge", .y_label = "up, m from the hinge", .equal_axes = true};
+  for (std::size_t i = 0; i < trace.q.size(); ++i) {
+    const int colour = static_cast<int>(i);
+    const std::string number = std::to_string(i + 1);
+    Panel phase{.x_label = "q" + number + ", rad", .y_label = "rate of q" + number + ", rad/s"};
+    add_path(phase, "q" + number, trace.t, trace.q[i], trace.qd[i], colour, shade);
+    figure.panels.push_back(std::move(phase));
+    add_path(way, "link " + number, trace.t, paths[i].across, paths[i].up, colour, shade);
+  }
+  figure.panels.push_back(std::move(way));
+  figure.panels.push_back(over_time("energy, J",
+                                    {curve("kinetic", trace.t, trace.kinetic, 0),
+                                     curve("potential", trace.t, trace.potential, 1),
+                                     curve("total", trace.t, total_energy(trace), 2)},
+                                    shade));
+
+  const Metrics metrics = evaluator.measure(run, scenario.duration_s);
+  figure.caption = fmt::format("{}. Energy is off by up to {} J.",
+                               shade ? fmt::format("The motion can be trusted until {} s; what follows is shaded over "
+                                                   "time and dashed in the other plots",
+                                                   shown(shade->from))
+                                     : std::string("The angles are within 0.1 rad of the reference throughout"),
+                               shown(metrics.max_energy_drift));
+  return figure;
+}
+
+}  // namespace
+
+Section double_pendulum(Laboratory& laboratory, Findings&) {
+  catalogue::Evaluator& evaluator = laboratory.evaluator("double_pendulum");
+  const Scenario& scenario = evaluator.scenario();
+  Section section{"double-pendulum", "The double pendulum, as the 2010 report plotted it", {}};
+  section.blocks.emplace_back(report::Text{fmt::format(
+      "The report moved two links of 1 m in ODE, with explicit Euler and with ode45, and plotted angles, rates, phase "
+      "planes, the way of the centres of mass and the energy. These are the same plots with the same start. Its "
+      "caption of Figure 5.9 gives a step of 0.0001 s, its program has 0.001 s; the runs here use h = {} s.",
+      scenario.step_s)});
+  section.blocks.emplace_back(report::Text{
+      "What the report could not draw is where to stop reading: the motion is chaotic, and once a method is off by more "
+      "than 0.1 rad its curve is the motion of another pendulum, however smooth it looks. That part is shaded."});
+  for (const Wanted& which : wanted) {
+    if (const Evaluation* const run = laboratory.run("double_pendulum", which.method)) {
+      section.blocks.emplace_back(figure(which, evaluator, *run));
+    } else {
+      section.blocks.emplace_back(
+          report::Text{fmt::format("{} is missing: {}.", which.of_2010, catalogue::why_missing)});
+    }
+  }
+  return section;
+}
+
+}  // namespace odeval::experiments

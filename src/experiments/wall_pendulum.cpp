@@ -1,0 +1,113 @@
+// A link against a wall, in all methods: traces and every impact.
+#include <fmt/format.h>
+
+#include "experiments/all.hpp"
+#include "experiments/parts.hpp"
+
+namespace odeval::experiments {
+namespace {
+
+using catalogue::Evaluation;
+using catalogue::Evaluator;
+using report::Cell;
+using report::Missing;
+using report::Panel;
+
+constexpr const char* scenario_name = "wall_pendulum";
+
+/// From the first method that is lost on, named.
+std::optional<report::Shade> first_lost(Evaluator& evaluator, const std::vector<const Evaluation*>& runs) {
+  std::optional<report::Shade> first;
+  for (const Evaluation* run : runs) {
+    std::optional<report::Shade> shade = lost_shade(evaluator, *run);
+    if (!shade || (first && first->from <= shade->from)) continue;
+    shade->why = std::string(run->method->name) + ": " + shade->why;
+    first = std::move(shade);
+  }
+  return first;
+}
+
+report::Figure traces(Evaluator& evaluator, const std::vector<const Evaluation*>& runs) {
+  const auto shade = first_lost(evaluator, runs);
+  Panel angle{.x_label = "t, s", .y_label = "q, rad", .shade = shade};
+  Panel rate{.x_label = "t, s", .y_label = "rate of q, rad/s", .shade = shade};
+  Panel energy{.x_label = "t, s", .y_label = "energy drift, J", .shade = shade};
+  Panel error{.x_label = "t, s", .y_label = "angle error, rad", .log_y = true, .shade = shade};
+  for (const Evaluation* run : runs) {
+    const std::string name(run->method->name);
+    const Trace& trace = run->trace;
+    const int colour = colour_of(name);
+    angle.series.push_back(curve(name, trace.t, trace.q.front(), colour));
+    rate.series.push_back(curve(name, trace.t, trace.qd.front(), colour));
+    energy.series.push_back(curve(name, trace.t, energy_drift(trace), colour));
+    if (name != catalogue::reference_method) {
+      error.series.push_back(curve(name, trace.t, above_zero(largest_error(trace)), colour));
+    }
+  }
+  const Reference& reference = evaluator.reference();
+  error.series.push_back(curve("uncertainty of the reference", reference.trace.t, above_zero(reference.uncertainty_q),
+                               colour_of(catalogue::reference_method), true));
+  report::Figure figure{"wall-pendulum-figure", "The wall pendulum in all methods", {}, {}, 2};
+  figure.panels = {std::move(angle), std::move(rate), std::move(energy), std::move(error)};
+  figure.caption =
+      "At an impact the angle turns and the rate changes its sign. Where a method finds the impact a step early or late, "
+      "its rate is of the wrong sign for that long; the angles hardly show it.";
+  return figure;
+}
+
+report::Table impacts(Evaluator& evaluator, const std::vector<const Evaluation*>& runs) {
+  const Reference& reference = evaluator.reference();
+  report::Table table{"wall-pendulum-impacts",
+                      "Every impact of every method",
+                      {"method", "impact", "t, s", "later than the reference, s", "the reference knows its own to, s",
+                       "q, rad", "rate before, rad/s", "rate after, rad/s", "deepest overlap, m"},
+                      {},
+                      "Methods that locate the touch have no overlap. An impact of ODE stands at the step that finds one, "
+                      "so a step late or early is what it can do at best."};
+  for (const Evaluation* run : runs) {
+    for (std::size_t i = 0; i < run->outcome.impacts.size(); ++i) {
+      const Impact& impact = run->outcome.impacts[i];
+      Cell late = Missing{"the reference has no such impact"};
+      Cell known = late;
+      if (i < reference.impacts.size()) {
+        late = impact.t - reference.impacts[i].t;
+        known = reference.impact_uncertainty_s[i];
+      }
+      table.rows.push_back({std::string(run->method->name), static_cast<double>(i + 1), impact.t, late, known,
+                            impact.q1, impact.qd_before, impact.qd_after, impact.depth});
+    }
+  }
+  return table;
+}
+
+}  // namespace
+
+Section wall_pendulum(Laboratory& laboratory, Findings&) {
+  Evaluator& evaluator = laboratory.evaluator(scenario_name);
+  const Scenario& scenario = evaluator.scenario();
+  Section section{"wall-pendulum", "A link against a wall", {}};
+  std::vector<const Evaluation*> runs;
+  std::string missing;
+  for (const std::string& name : scenario.methods) {
+    if (const Evaluation* const run = laboratory.run(scenario_name, name)) {
+      runs.push_back(run);
+    } else {
+      missing += (missing.empty() ? "" : ", ") + name;
+    }
+  }
+  section.blocks.emplace_back(report::Text{fmt::format(
+      "Chapter 6 of the report: a link of {} m on a hinge at x = {} m falls from the horizontal against a wall with its "
+      "face at x = {} m and a restitution of {}. ODE finds the wall by its collision detection; the other methods stop "
+      "where the link's outline touches it, which the closed form knows exactly.",
+      scenario.links.front().length_m, scenario.problem->frame.hinge_m[0], scenario.wall->face_m,
+      scenario.wall->restitution)});
+  if (!missing.empty()) {
+    section.blocks.emplace_back(
+        report::Text{fmt::format("Not in this build: {} ({}).", missing, catalogue::why_missing)});
+  }
+  section.blocks.emplace_back(traces(evaluator, runs));
+  section.blocks.emplace_back(impacts(evaluator, runs));
+  return section;
+}
+
+}  // namespace odeval::experiments
