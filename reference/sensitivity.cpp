@@ -67,8 +67,7 @@ Sensitivity solve_sensitivity(const Scenario& scenario, const SampleGrid& grid, 
   if (scenario.wall) {
     throw UserError("scenario '" + scenario.name + "': sensitivities are for motions without a wall");
   }
-  return with_equations(scenario,
-                        [&](const auto& equations) { return solve(scenario, grid, equations, tolerances); });
+  return with_equations(scenario, [&](const auto& equations) { return solve(scenario, grid, equations, tolerances); });
 }
 
 }  // namespace odeval::reference

@@ -1,8 +1,8 @@
 #include "reference/maximal/fixed_step.hpp"
 
+#include <fmt/format.h>
 #include <boost/numeric/odeint/stepper/euler.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta4.hpp>
-#include <fmt/format.h>
 
 #include <cmath>
 

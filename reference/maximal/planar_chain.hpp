@@ -1,9 +1,9 @@
 #pragma once
 // A pendulum's links as rigid bodies in their plane, held together by Lagrange multipliers (report 5.3).
 //
-// Each link has its own x, y and angle, mass matrix diag(m, m, I) and W its inverse. Joint i makes two conditions C = 0:
-// the near end of link i is where the far end of the link before is, or at the first hinge. Their multipliers are the
-// joint's force on link i, and with Q_a the weights
+// Each link has its own x, y and angle, mass matrix diag(m, m, I) and W its inverse. Joint i makes two conditions C =
+// 0: the near end of link i is where the far end of the link before is, or at the first hinge. Their multipliers are
+// the joint's force on link i, and with Q_a the weights
 //
 //   J W J^T lambda = -Jdot qdot - J W Q_a - ks C - kd Cdot   (5.38; with ks = kd = 0 it is 5.34, and 5.13 solved for
 //   qddot = W (Q_a + J^T lambda)                              the multipliers)
@@ -31,9 +31,9 @@ class PlanarChain {
 
   /// What the joints say at a state.
   struct Joints {
-    Conditions error;    // C, m
-    Jacobian jacobian;   // J
-    Conditions bias;     // Jdot qdot, m/s²
+    Conditions error;   // C, m
+    Jacobian jacobian;  // J
+    Conditions bias;    // Jdot qdot, m/s²
   };
 
   explicit PlanarChain(const Scenario& scenario) : ks_(scenario.maximal.ks), kd_(scenario.maximal.kd) {
@@ -110,8 +110,8 @@ class PlanarChain {
   static Eigen::Vector2d across(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
 
   Conditions multipliers(const Joints& at, const Coordinates& qd) const {
-    const Conditions right = -at.bias - at.jacobian * inverse_mass_.cwiseProduct(weight_) - ks_ * at.error -
-                             kd_ * (at.jacobian * qd);
+    const Conditions right =
+        -at.bias - at.jacobian * inverse_mass_.cwiseProduct(weight_) - ks_ * at.error - kd_ * (at.jacobian * qd);
     return system(at).llt().solve(right);
   }
 

@@ -51,9 +51,12 @@ Knob knob_of(const Method& method) {
 
 std::string_view knob_name(Knob knob) {
   switch (knob) {
-    case Knob::step: return "h";
-    case Knob::rtol: return "rtol";
-    case Knob::none: break;
+    case Knob::step:
+      return "h";
+    case Knob::rtol:
+      return "rtol";
+    case Knob::none:
+      break;
   }
   return "";
 }
@@ -68,12 +71,15 @@ double Accuracy::fitting_step(double h) const { return spacing_s_ / std::max(1.0
 Evaluator Accuracy::at(const Method& method, double setting) const {
   Scenario scenario = scenario_;
   switch (knob_of(method)) {
-    case Knob::step: scenario.step_s = setting; break;
+    case Knob::step:
+      scenario.step_s = setting;
+      break;
     case Knob::rtol:
       scenario.rtol = setting;
       scenario.atol = setting * atol_over_rtol;
       break;
-    case Knob::none: break;
+    case Knob::none:
+      break;
   }
   return Evaluator(std::move(scenario), reference_);
 }
@@ -113,7 +119,8 @@ Search Accuracy::cheapest(const Method& method, double max_error, long most_step
   int stalled = 0;
   for (long n = ladder.first;; n = ladder.finer(n)) {
     if (n > ladder.last) {
-      search.why_not = knob == Knob::step ? "it would take more than " + std::to_string(most_steps) + " steps" : "no tighter rtol is left";
+      search.why_not = knob == Knob::step ? "it would take more than " + std::to_string(most_steps) + " steps"
+                                          : "no tighter rtol is left";
       return search;
     }
     const Trial trial = attempt(n);

@@ -19,7 +19,7 @@ std::string_view knob_name(Knob knob);  // "h", "rtol", ""
 
 /// One setting of the knob, and what it led to.
 struct Trial {
-  double setting = 0;  // h in s, or rtol
+  double setting = 0;                                      // h in s, or rtol
   double error = std::numeric_limits<double>::infinity();  // rad, largest until the end; infinite where the run failed
   double doubt = 0;                                        // rad, the reference's uncertainty
   long steps = 0;
@@ -31,7 +31,7 @@ struct Trial {
 /// The cheapest setting found, or why there is none.
 struct Search {
   bool reached = false;
-  Trial trial;           // where nothing was reached: that with the least error
+  Trial trial;  // where nothing was reached: that with the least error
   std::string why_not;
 };
 
@@ -52,9 +52,9 @@ class Accuracy {
   Evaluator at(const Method& method, double setting) const;
   Trial try_setting(const Method& method, double setting) const;
 
-  /// The largest step (to 2 %, and of those that fit the rows), or the loosest rtol (16 a decade, from 1e-2), that keeps
-  /// error and doubt together within max_error. Found by doubling the steps, or a decade of rtol at a time, and then by
-  /// bisection of the logarithm; a larger step that keeps the error by luck may stay unseen.
+  /// The largest step (to 2 %, and of those that fit the rows), or the loosest rtol (16 a decade, from 1e-2), that
+  /// keeps error and doubt together within max_error. Found by doubling the steps, or a decade of rtol at a time, and
+  /// then by bisection of the logarithm; a larger step that keeps the error by luck may stay unseen.
   ///
   /// Not reached: when the next doubling would take more than `most_steps`, when rtol comes to 3e-15, or when the error
   /// no longer falls.

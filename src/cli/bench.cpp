@@ -4,58 +4,29 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "catalogue/evaluation.hpp"
+#include "catalogue/accuracy.hpp"
 #include "catalogue/paths.hpp"
+#include "catalogue/table_5_2.hpp"
+#include "catalogue/timing.hpp"
 #include "catalogue/versions.hpp"
 #include "cli/commands.hpp"
 #include "cli/progress.hpp"
-#include "measure/spread.hpp"
 #include "odeval/error.hpp"
 #include "output/file.hpp"
+#include "output/number.hpp"
 #include "output/timing.hpp"
 #include "scenario/find_scenario.hpp"
 
 namespace odeval::cli {
 namespace {
 
-struct Timed {
-  const catalogue::Method* method;
-  long steps = 0;
-  std::vector<double> seconds;
+/// One scenario in the methods chosen for it.
+struct Plan {
+  catalogue::Evaluator evaluator;
+  std::vector<const catalogue::Method*> methods;
 };
 
-/// CPU time of the stepping alone: the simulation is made before, and nothing is recorded.
-void time_once(const catalogue::Evaluator& evaluator, Timed& timed, bool counts) {
-  const auto simulation = evaluator.make(*timed.method);
-  const double start = catalogue::cpu_seconds();
-  timed.steps = simulation->run(nullptr).steps;
-  const double seconds = catalogue::cpu_seconds() - start;
-  if (counts) timed.seconds.push_back(seconds);
-}
-
-TimingRow row_of(const catalogue::Evaluator& evaluator, const Timed& timed) {
-  TimingRow row;
-  row.scenario = evaluator.scenario().name;
-  row.method = timed.method->name;
-  row.step_s = evaluator.grid().step_s;
-  row.steps = timed.steps;
-  row.simulated_s = evaluator.grid().time(evaluator.grid().rows - 1);
-  row.repeats = static_cast<int>(timed.seconds.size());
-  row.median_s = median(timed.seconds);
-  row.mad_s = median_absolute_deviation(timed.seconds);
-  row.min_s = *std::ranges::min_element(timed.seconds);
-  row.ns_per_step = 1e9 * row.median_s / static_cast<double>(std::max(timed.steps, 1L));
-  row.realtime_factor = row.simulated_s / row.median_s;
-  return row;
-}
-
-}  // namespace
-
-int bench(const BenchOptions& options) {
-  struct Plan {
-    catalogue::Evaluator evaluator;
-    std::vector<Timed> timed;
-  };
+std::vector<Plan> plans_of(const BenchOptions& options) {
   std::vector<Plan> plans;
   const auto names = options.scenarios.empty() ? scenario_names(catalogue::scenario_folder()) : options.scenarios;
   for (const std::string& name : names) {
@@ -63,34 +34,172 @@ int bench(const BenchOptions& options) {
     if (std::ranges::any_of(plans, [&](const Plan& plan) { return plan.evaluator.scenario().name == scenario.name; })) {
       throw UserError(name + ": a second scenario named '" + scenario.name + "'; give each a name of its own");
     }
-    Plan& plan = plans.emplace_back(Plan{catalogue::Evaluator(scenario), {}});
-    for (const catalogue::Method* method : chosen_methods(options.methods, scenario))
-      plan.timed.push_back({method, 0, {}});
+    plans.push_back({catalogue::Evaluator(scenario), chosen_methods(options.methods, scenario)});
   }
+  return plans;
+}
 
+NamedTexts environment() {
+  auto texts = catalogue::machine();
+  for (const auto& version : catalogue::versions()) texts.push_back(version);
+  return texts;
+}
+
+/// Times runs in turns and says how far it is.
+void time_with_progress(std::span<catalogue::TimedRun> runs, const std::string& scenario, int repeats,
+                        Progress& progress) {
+  catalogue::time_in_turns(runs, repeats, [&](int round) {
+    progress.next(scenario + (round == 0 ? " warm-up" : " round " + std::to_string(round)));
+  });
+}
+
+TimingRow row_of(const catalogue::Evaluator& evaluator, const catalogue::TimedRun& timed) {
+  TimingRow row;
+  row.scenario = evaluator.scenario().name;
+  row.method = timed.method->name;
+  row.step_s = evaluator.grid().step_s;
+  row.steps = timed.steps;
+  row.simulated_s = evaluator.grid().time(evaluator.grid().rows - 1);
+  row.repeats = static_cast<int>(timed.seconds.size());
+  row.median_s = timed.median_s();
+  row.mad_s = timed.mad_s();
+  row.min_s = *std::ranges::min_element(timed.seconds);
+  row.ns_per_step = 1e9 * row.median_s / static_cast<double>(std::max(timed.steps, 1L));
+  row.realtime_factor = row.simulated_s / row.median_s;
+  return row;
+}
+
+/// Table 5.2 with the rows timed for its scenario. `rows` holds no other scenario's.
+std::vector<Table52Row> table_5_2_of(std::span<const TimingRow> rows) {
+  std::vector<Table52Row> table;
+  const auto add = [&](Table52Row row, std::string_view method) {
+    row.method = method;
+    const auto timed = std::ranges::find(rows, method, &TimingRow::method);
+    if (timed != rows.end()) {
+      row.steps = timed->steps;
+      row.median_s = timed->median_s;
+      row.mad_s = timed->mad_s;
+    }
+    table.push_back(std::move(row));
+  };
+  for (const catalogue::Case2010& then : catalogue::table_5_2) {
+    add({then.number, std::string(then.equations), std::string(then.solver), then.steps, then.seconds, "", {}, {}, {}},
+        then.method);
+  }
+  for (const std::string_view method : catalogue::beside_table_5_2) {
+    add({{}, "-", "-", {}, {}, "", {}, {}, {}}, method);
+  }
+  return table;
+}
+
+int bench_at_equal_steps(const BenchOptions& options) {
+  std::vector<Plan> plans = plans_of(options);
   std::vector<TimingRow> rows;
+  std::vector<Table52Row> table_5_2;
   {
     Progress progress(plans.size() * static_cast<std::size_t>(options.repeats + 1), options.quiet);
     for (Plan& plan : plans) {
-      for (int round = 0; round <= options.repeats; ++round) {  // round 0 warms up
-        progress.next(plan.evaluator.scenario().name + (round == 0 ? " warm-up" : " round " + std::to_string(round)));
-        for (Timed& timed : plan.timed) time_once(plan.evaluator, timed, round > 0);
+      std::vector<catalogue::TimedRun> runs;
+      for (const catalogue::Method* method : plan.methods) runs.push_back({&plan.evaluator, method, 0, 0, {}});
+      time_with_progress(runs, plan.evaluator.scenario().name, options.repeats, progress);
+      for (const auto& run : runs) rows.push_back(row_of(plan.evaluator, run));
+      if (catalogue::is_of_table_5_2(plan.evaluator.scenario())) {
+        table_5_2 = table_5_2_of(std::span(rows).last(runs.size()));
       }
-      for (const Timed& timed : plan.timed) rows.push_back(row_of(plan.evaluator, timed));
     }
   }
 
-  auto environment = catalogue::machine();
-  for (const auto& version : catalogue::versions()) environment.push_back(version);
   const std::filesystem::path folder(options.out);
+  const std::string json = timing_json(rows, table_5_2, environment());
   write_whole(folder / "timing.csv", timing_csv(rows));
-  write_whole(folder / "timing.json", timing_json(rows, environment));
+  write_whole(folder / "timing.json", json);
   if (options.json) {
-    std::cout << timing_json(rows, environment);
+    std::cout << json;
   } else if (!options.quiet) {
-    std::cout << timing_table(rows) << "\nCPU time of the stepping alone. Wrote " << folder.string() << "/timing.csv\n";
+    std::cout << timing_table(rows);
+    if (!table_5_2.empty()) {
+      std::cout << "\nThe report's Table 5.2 (10 s; ode45's 500 points of 2010 are " << 500 / catalogue::ode45_refine
+                << " steps) and this machine:\n"
+                << table_5_2_text(table_5_2);
+    }
+    std::cout << "\nCPU time of the stepping alone. Wrote " << folder.string() << "/timing.csv\n";
   }
   return 0;
+}
+
+constexpr long most_steps_of_a_search = 4'000'000;
+
+std::vector<EqualErrorRow> at_equal_error(const Plan& plan, const BenchOptions& options, double until_s,
+                                          Progress& progress) {
+  const Scenario& scenario = plan.evaluator.scenario();
+  const catalogue::Accuracy accuracy(scenario, until_s);
+  if (accuracy.doubt() > options.equal_error) {
+    throw UserError("--equal-error " + number_text(options.equal_error) + ": must be above what the reference of '" +
+                    scenario.name + "' knows until " + number_text(until_s) + " s, " + number_text(accuracy.doubt()) +
+                    " rad");
+  }
+  std::vector<EqualErrorRow> rows;
+  std::vector<catalogue::Evaluator> evaluators;
+  evaluators.reserve(plan.methods.size());  // timed runs point at them
+  std::vector<catalogue::TimedRun> runs;
+  std::vector<std::size_t> row_of_run;
+  for (const catalogue::Method* method : plan.methods) {
+    progress.next(scenario.name + " " + std::string(method->name) + ": searching");
+    const catalogue::Search search = accuracy.cheapest(*method, options.equal_error, most_steps_of_a_search);
+    EqualErrorRow row{scenario.name, std::string(method->name), "", {}, search.trial.error, search.trial.doubt,
+                      search.why_not};
+    row.knob = knob_name(knob_of(*method));
+    if (!row.knob.empty()) row.setting = search.trial.setting;
+    row.steps = search.trial.steps;
+    row.evaluations = search.trial.evaluations;
+    if (search.reached) {
+      evaluators.push_back(accuracy.at(*method, search.trial.setting));
+      runs.push_back({&evaluators.back(), method, 0, 0, {}});
+      row_of_run.push_back(rows.size());
+    }
+    rows.push_back(std::move(row));
+  }
+  time_with_progress(runs, scenario.name, options.repeats, progress);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    EqualErrorRow& row = rows[row_of_run[i]];
+    row.repeats = options.repeats;
+    row.median_s = runs[i].median_s();
+    row.mad_s = runs[i].mad_s();
+  }
+  return rows;
+}
+
+int bench_at_equal_error(const BenchOptions& options) {
+  const std::vector<Plan> plans = plans_of(options);
+  std::size_t pieces = 0;
+  for (const Plan& plan : plans) pieces += plan.methods.size() + static_cast<std::size_t>(options.repeats + 1);
+  std::vector<EqualErrorRow> rows;
+  {
+    Progress progress(pieces, options.quiet);
+    for (const Plan& plan : plans) {
+      for (EqualErrorRow& row : at_equal_error(plan, options, options.until, progress)) rows.push_back(std::move(row));
+    }
+  }
+
+  const std::filesystem::path folder(options.out);
+  const std::string json = equal_error_json(rows, options.equal_error, options.until, environment());
+  write_whole(folder / "equal_error.csv", equal_error_csv(rows, options.equal_error, options.until));
+  write_whole(folder / "equal_error.json", json);
+  if (options.json) {
+    std::cout << json;
+  } else if (!options.quiet) {
+    std::cout << "cheapest settings with an error of at most " << number_text(options.equal_error) << " rad until "
+              << number_text(options.until) << " s\n\n"
+              << equal_error_table(rows) << "\nCPU time of the stepping alone. Wrote " << folder.string()
+              << "/equal_error.csv\n";
+  }
+  return 0;
+}
+
+}  // namespace
+
+int bench(const BenchOptions& options) {
+  return options.equal_error > 0 ? bench_at_equal_error(options) : bench_at_equal_steps(options);
 }
 
 Action attach_bench(CLI::App& app) {
@@ -101,11 +210,25 @@ Action attach_bench(CLI::App& app) {
       ->type_name("N")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
+  app.add_option("--equal-error", options->equal_error,
+                 "instead of equal steps: each method at the cheapest step or rtol whose angle error stays below E, "
+                 "rad; a --step or --rtol is not used")
+      ->type_name("E")
+      ->check(CLI::Range(1e-15, 1.0));
+  const CLI::Option* until = app.add_option("--until", options->until, "until when the error has to stay below E, s")
+                                 ->type_name("T")
+                                 ->check(CLI::Range(1e-3, 1e4))
+                                 ->capture_default_str();
   add_out_option(app, options->out);
   app.add_flag("--quiet", options->quiet, "no table, no progress");
   app.add_flag("--json", options->json, "the table for programs");
   options->settings.attach(app);
-  return [options] { return bench(*options); };
+  return [options, until] {
+    if (until->count() > 0 && options->equal_error == 0) {
+      throw UserError("--until: has a meaning only beside --equal-error");
+    }
+    return bench(*options);
+  };
 }
 
 }  // namespace odeval::cli

@@ -12,12 +12,15 @@ struct BenchOptions {
   std::vector<std::string> methods;    // none: each scenario's own
   Settings settings;
   int repeats = 7;
+  double equal_error = 0;  // rad; 0: at equal steps
+  double until = 3;        // s, how long the error has to be kept
   std::string out = "results";
   bool quiet = false;
   bool json = false;
 };
 
-/// Times, writes timing.csv and timing.json and returns the exit status.
+/// Times, writes timing.csv and timing.json, at equal error equal_error.csv and equal_error.json, and returns the exit
+/// status.
 int bench(const BenchOptions& options);
 
 }  // namespace odeval::cli

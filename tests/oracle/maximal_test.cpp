@@ -70,8 +70,9 @@ void check_order(const Order& order, const Scenario& coarse) {
   }
   const double orders[] = {std::log2(error[0] / error[1]), std::log2(error[1] / error[2]),
                            std::log2(force[0] / force[1]), std::log2(force[1] / force[2])};
-  std::printf("%s: errors %.3g %.3g %.3g rad, order %.2f %.2f; forces %.3g %.3g %.3g N, order %.2f %.2f\n", order.method,
-              error[0], error[1], error[2], orders[0], orders[1], force[0], force[1], force[2], orders[2], orders[3]);
+  std::printf("%s: errors %.3g %.3g %.3g rad, order %.2f %.2f; forces %.3g %.3g %.3g N, order %.2f %.2f\n",
+              order.method, error[0], error[1], error[2], orders[0], orders[1], force[0], force[1], force[2], orders[2],
+              orders[3]);
   for (const double found : orders) CHECK_BETWEEN(found, order.least, order.most);
 }
 
@@ -122,12 +123,12 @@ void check_energy() {
 
 // A feedback too stiff for the step is no stable one (h > 4/kd): the run ends, and says so.
 void check_divergence_is_said() {
-  const catalogue::Evaluation evaluation =
-      run(with_feedback("double_pendulum", 10, 1e-3, 9e6, 6000), "maximal-euler");
+  const catalogue::Evaluation evaluation = run(with_feedback("double_pendulum", 10, 1e-3, 9e6, 6000), "maximal-euler");
   CHECK(evaluation.outcome.diverged);
   CHECK(evaluation.outcome.reason.find("left the finite numbers in the step from t = ") != std::string::npos);
   CHECK(evaluation.trace.rows() < 10001);
-  CHECK_EQUAL(static_cast<long>(evaluation.trace.rows()), evaluation.outcome.steps);  // row 0, and all but the last step
+  CHECK_EQUAL(static_cast<long>(evaluation.trace.rows()),
+              evaluation.outcome.steps);  // row 0, and all but the last step
 }
 
 // The half-step start is for those who step as ODE does.

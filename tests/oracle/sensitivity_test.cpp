@@ -2,8 +2,8 @@
 // equations, differences of perturbed runs, Liouville's theorem, and the single pendulum's closed form.
 #include "reference/sensitivity.hpp"
 
-#include <Eigen/LU>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -79,7 +79,8 @@ void check_short_steps() {
       }
     }
   }
-  std::printf("short steps: %.2g of the growth, %.3g at %g s\n", worst, sensitivity.growth.back(), sensitivity.t.back());
+  std::printf("short steps: %.2g of the growth, %.3g at %g s\n", worst, sensitivity.growth.back(),
+              sensitivity.t.back());
   // What is left is of order h^4: measured 9.9e-8, and 7e-7 for steps twice as long. One step size leaves 1e-4.
   CHECK(worst < 3e-7);
 }

@@ -61,7 +61,8 @@ void derivatives_are_the_differences() {
   auto earlier = y;
   chain.places_of(later) += step * chain.rates_of(y);
   chain.places_of(earlier) -= step * chain.rates_of(y);
-  const auto bias = ((chain.joints(later).jacobian - chain.joints(earlier).jacobian) * chain.rates_of(y) / (2 * step)).eval();
+  const auto bias =
+      ((chain.joints(later).jacobian - chain.joints(earlier).jacobian) * chain.rates_of(y) / (2 * step)).eval();
   CHECK_BETWEEN((bias - at.bias).cwiseAbs().maxCoeff(), 0, 1e-9);
 }
 

@@ -144,7 +144,7 @@ void timings_have_the_columns_of_the_interface() {
   CHECK_EQUAL(timing_csv({row}),
               "scenario,method,h,steps,simulated_s,repeats,median_s,mad_s,min_s,ns_per_step,realtime_factor\n"
               "double_pendulum,ode-step-double,0.001,10000,10,7,0.0125,0.0001,0.012,1250,800\n");
-  const json all = json::parse(timing_json({row}, {{"compiler", "g++"}}));
+  const json all = json::parse(timing_json({row}, {}, {{"compiler", "g++"}}));
   CHECK_EQUAL(all["environment"]["compiler"].get<std::string>(), "g++");
   CHECK_EQUAL(all["rows"][0]["h"].get<double>(), 1e-3);
   CHECK_EQUAL(all["rows"][0]["realtime_factor"].get<double>(), 800.0);
@@ -180,6 +180,37 @@ void tables_are_aligned() {
   CHECK(impacts_table({example()}, wanted, 1).find("... 2") != std::string::npos);
 }
 
+// What was not timed, or not reached, has no number: a dash, null, an empty cell.
+void missing_timings_stay_missing() {
+  const std::vector<Table52Row> table{{4, "by hand", "Euler", 10000, 1.16, "lagrange-euler", {}, {}, {}},
+                                      {5, "ODE", "ODE's", 10000, 0.29, "ode-step-double", 10000, 0.02, 0.001},
+                                      {{}, "-", "-", {}, {}, "lagrange-rk4", 10000, 0.005, 0.001}};
+  CHECK_EQUAL(table_5_2_text(table),
+              "case  equations  solver  steps 2010     s  x ODE  method           steps  ms  ±  x ODE\n"
+              "   4  by hand    Euler        10000  1.16      4  lagrange-euler       -   -  -      -\n"
+              "   5  ODE        ODE's        10000  0.29      1  ode-step-double  10000  20  1      1\n"
+              "   -  -          -                -     -      -  lagrange-rk4     10000   5  1   0.25\n");
+  const json timing = json::parse(timing_json({}, table, {{"compiler", "GNU"}}));
+  CHECK(timing["table_5_2"][0]["median_s"].is_null());
+  CHECK_EQUAL(timing["table_5_2"][0]["seconds_2010"].get<double>(), 1.16);
+  CHECK_EQUAL(timing["table_5_2"][1]["median_s"].get<double>(), 0.02);
+  CHECK(timing["table_5_2"][2]["case"].is_null());
+  CHECK(!json::parse(timing_json({}, {}, {})).contains("table_5_2"));
+
+  EqualErrorRow reached{"s", "m", "h", 0.25, 1e-4, 1e-9, "", 40, 160, 3, 0.5, 0.125};
+  EqualErrorRow failed{"s", "n", "", {}, 1e-2, 1e-9, "no knob", 40, 0, 0, 0, 0};
+  CHECK_EQUAL(
+      equal_error_csv({reached, failed}, 1e-3, 2),
+      "scenario,method,max_error,until,reached,knob,setting,error,uncertainty,steps,evaluations,repeats,median_s,"
+      "mad_s\n"
+      "s,m,0.001,2,1,h,0.25,0.0001,1e-09,40,160,3,0.5,0.125\n"
+      "s,n,0.001,2,0,,,0.01,1e-09,40,0,0,,\n");
+  const json equal = json::parse(equal_error_json({reached, failed}, 1e-3, 2, {}));
+  CHECK_EQUAL(equal["rows"][0]["setting"].get<double>(), 0.25);
+  CHECK(equal["rows"][1]["setting"].is_null() && equal["rows"][1]["median_s"].is_null());
+  CHECK(equal_error_table({failed}).find("not reached: no knob") != std::string::npos);
+}
+
 }  // namespace
 
 int main() {
@@ -189,5 +220,6 @@ int main() {
   error_times_fit_the_run();
   timings_have_the_columns_of_the_interface();
   tables_are_aligned();
+  missing_timings_stay_missing();
   return odeval::test::verdict();
 }
