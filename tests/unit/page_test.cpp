@@ -67,11 +67,12 @@ Series power(const std::string& label, double order, int colour) {
 }
 
 Figure curves() {
-  Figure figure{"fig-waves", "Waves & <shades>.", "Two waves; the second one has a gap.", {}, 2};
+  Figure figure{"fig-waves", "Waves & <shades>.", "Two waves; the second one has two gaps.", {}, 2};
   Panel time{"t, s", "q1, rad", {}};
   for (int i = 0; i < 4; ++i)
     time.series.push_back(wave("method " + std::to_string(i), 0.4 * i, Mark::line, i, i == 3));
   time.series[1].y[100] = nan;
+  time.series[1].y[150] = infinity;
   time.shade = Shade{6.5, "the reference's own uncertainty is larger than what is compared"};
   Panel points{"t, s",
                "it's q2, rad",
@@ -258,6 +259,10 @@ void a_colour_stays_with_its_index() {
   CHECK(looks[0][3].dash != looks[0][2].dash);
   const auto order = looks_of(log_log());
   CHECK_EQUAL(order[0][2].colour, 1);  // the first that no series asked for
+  Figure twice = log_log();
+  twice.panels.push_back(twice.panels[0]);
+  const auto both = looks_of(twice);
+  CHECK(both[0] == both[1]);  // as many panels as there are, one label has one look
   // No two indices look alike, with or without dashes, as far as the project has methods.
   std::vector<Look> seen;
   for (int index = 0; index < 2 * palette_size; ++index) {
@@ -289,6 +294,16 @@ void gnuplot_fails_in_one_line() {
   }
 }
 
+// The path of a curve starts anew after each gap.
+void what_is_not_finite_is_a_gap(const std::string& html) {
+  const auto starts = [&](const std::string& label) {
+    const std::size_t from = html.find("<title>" + label + "</title>");
+    return count(html.substr(from, html.find("</g>", from) - from), "M");
+  };
+  CHECK_EQUAL(starts("method 0"), 1U);
+  CHECK_EQUAL(starts("method 1"), 3U);
+}
+
 // A page without gnuplot is made all the same.
 void without_gnuplot_the_page_says_so() {
   const std::string path = std::getenv("PATH");
@@ -318,6 +333,7 @@ int main(int argc, char** argv) {
   tables_have_all_digits_beside_the_page();
   a_colour_stays_with_its_index();
   the_same_name_twice_is_a_mistake();
+  what_is_not_finite_is_a_gap(page.html);
   gnuplot_fails_in_one_line();
   without_gnuplot_the_page_says_so();
   CHECK(page_of(every_block()).html == page.html);
