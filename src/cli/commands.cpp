@@ -17,6 +17,8 @@ constexpr std::array table{
     Command{"bench", "timing table, methods interleaved, no output while timing", attach_bench},
     Command{"snapshot", "pictures of poses: single, on a sheet, or the run as a film", attach_snapshot},
     Command{"check", "every tolerance of the scenario files; exit status 1 if one fails", attach_check},
+    Command{"compare", "two folders of results: same bytes, same within uncertainty, or different (exit 1)",
+            attach_compare},
     Command{"report", "all of it, and the verdicts on the 2010 report's claims, as one page", attach_report},
 };
 

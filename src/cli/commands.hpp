@@ -29,6 +29,7 @@ Action attach_run(CLI::App& app);
 Action attach_bench(CLI::App& app);
 Action attach_snapshot(CLI::App& app);
 Action attach_check(CLI::App& app);
+Action attach_compare(CLI::App& app);
 Action attach_report(CLI::App& app);
 
 }  // namespace odeval::cli

@@ -6,6 +6,9 @@
 
 #include <cerrno>
 #include <cstring>
+#include <fstream>
+#include <sstream>
+#include <utility>
 
 #include "odeval/error.hpp"
 
@@ -68,6 +71,18 @@ void write_whole(const fs::path& file, std::string_view text) {
     ::unlink(written.c_str());
     fail(file, cause);
   }
+}
+
+std::string read_whole(const fs::path& file) {
+  std::error_code ignored;
+  errno = fs::is_directory(file, ignored) ? EISDIR : 0;
+  std::ifstream in;
+  if (errno == 0) in.open(file, std::ios::binary);
+  if (!in.is_open()) throw UserError(fmt::format("{}: cannot be read: {}", file.string(), std::strerror(errno)));
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (in.bad()) throw UserError(fmt::format("{}: cannot be read: {}", file.string(), std::strerror(errno)));
+  return std::move(text).str();
 }
 
 }  // namespace odeval

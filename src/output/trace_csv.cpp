@@ -3,13 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
-#include <cstring>
-#include <fstream>
-#include <sstream>
 
 #include "odeval/error.hpp"
+#include "output/file.hpp"
 #include "output/number.hpp"
 
 namespace odeval {
@@ -142,16 +139,6 @@ CsvColumns parse_csv(std::string_view text, const std::string& name) {
   return table;
 }
 
-CsvColumns read_csv(const std::filesystem::path& file) {
-  std::error_code ignored;
-  errno = std::filesystem::is_directory(file, ignored) ? EISDIR : 0;
-  std::ifstream in;
-  if (errno == 0) in.open(file, std::ios::binary);
-  if (!in.is_open()) throw UserError(fmt::format("{}: cannot be read: {}", file.string(), std::strerror(errno)));
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (in.bad()) throw UserError(fmt::format("{}: cannot be read: {}", file.string(), std::strerror(errno)));
-  return parse_csv(text.view(), file.string());
-}
+CsvColumns read_csv(const std::filesystem::path& file) { return parse_csv(read_whole(file), file.string()); }
 
 }  // namespace odeval
