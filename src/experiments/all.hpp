@@ -22,6 +22,8 @@ Section order(Laboratory& laboratory, Findings& findings);
 Section sensitivity(Laboratory& laboratory, Findings& findings);
 Section denavit_hartenberg(Laboratory& laboratory, Findings& findings);
 Section single_pendulum(Laboratory& laboratory, Findings& findings);
+Section coordinates(Laboratory& laboratory, Findings& findings);
+Section feedback_term(Laboratory& laboratory, Findings& findings);
 Section remedy(Laboratory& laboratory, Findings& findings);
 
 }  // namespace odeval::experiments

@@ -110,23 +110,23 @@ const Contact& find(const std::vector<Contact>& contacts, double face_m, double 
 }
 
 Table delays(const std::vector<Contact>& contacts, const std::vector<Setting>& all) {
-  Table table{"contact-delay",
-              "First contact with the wall: what moves it?",
-              {"wall's face at, m", "h, s", "settings", "true touch, s", "dWorldStep: contact, s",
-               "steps after q = -pi/2", "steps after the true touch", "QuickStep: contact, s",
-               "QuickStep: steps after the true touch"},
-              {},
-              "The times of q = -pi/2 and of the true touch are of the closed form. A contact stands at the step that "
-              "finds the bodies overlapping, so up to one step after the touch is what a fixed step can do at best; "
-              "a negative delay comes from ODE running half a step ahead."};
+  Table table{
+      "contact-delay",
+      "First contact with the wall: what moves it?",
+      {"wall's face at, m", "h, s", "settings", "true touch, s", "dWorldStep: contact, s", "steps after q = -pi/2",
+       "steps after the true touch", "QuickStep: contact, s", "QuickStep: steps after the true touch"},
+      {},
+      "The times of q = -pi/2 and of the true touch are of the closed form. A contact stands at the step that "
+      "finds the bodies overlapping, so up to one step after the touch is what a fixed step can do at best; "
+      "a negative delay comes from ODE running half a step ahead."};
   for (const Contact& contact : contacts) {
     if (contact.stepper != steppers[0]) continue;
     const Contact& quick = find(contacts, contact.face_m, contact.step_s, contact.setting, steppers[1]);
     std::vector<Cell> row{contact.face_m, contact.step_s, all[contact.setting].name, contact.truth.touch_s};
     const Missing none{"no contact was found"};
     if (contact.step) {
-      row.insert(row.end(), {contact.time_s(), contact.after(contact.truth.vertical_s),
-                             contact.after(contact.truth.touch_s)});
+      row.insert(row.end(),
+                 {contact.time_s(), contact.after(contact.truth.vertical_s), contact.after(contact.truth.touch_s)});
     } else {
       row.insert(row.end(), {none, none, none});
     }
@@ -168,8 +168,8 @@ void add_findings(Findings& findings, const std::vector<Contact>& contacts, cons
   const std::optional<long> by_settings = moved_by_settings(contacts);
   add("C11b.moved_by_settings", "largest change of the first contact by ERP and CFM, both faces, steps and steppers",
       by_settings ? std::optional(static_cast<double>(*by_settings)) : std::nullopt);
-  add("C11b.moved_by_face", fmt::format("change of the first contact by moving the face from {} to {} m", face_m,
-                                        side_of_link(file)),
+  add("C11b.moved_by_face",
+      fmt::format("change of the first contact by moving the face from {} to {} m", face_m, side_of_link(file)),
       usual.step && flush.step ? std::optional(static_cast<double>(std::labs(*usual.step - *flush.step)))
                                : std::nullopt);
 }
@@ -179,11 +179,10 @@ Panel angle_panel(const Trace& trace, const Reference& reference, double from_s,
   Panel panel{.x_label = "t, s", .y_label = "q, rad"};
   panel.series.push_back(curve("reference", part(reference.trace.t, rows), part(reference.trace.q.front(), rows),
                                colour_of(catalogue::reference_method), true));
-  panel.series.push_back(
-      curve(steppers[0], part(trace.t, rows), part(trace.q.front(), rows), colour_of(steppers[0])));
+  panel.series.push_back(curve(steppers[0], part(trace.t, rows), part(trace.q.front(), rows), colour_of(steppers[0])));
   if (points) panel.series.back().mark = report::Mark::line_and_points;
-  panel.series.push_back(curve("q = -pi/2", {trace.t[rows.first], trace.t[rows.end - 1]}, {vertical_rad, vertical_rad},
-                               -1, true));
+  panel.series.push_back(
+      curve("q = -pi/2", {trace.t[rows.first], trace.t[rows.end - 1]}, {vertical_rad, vertical_rad}, -1, true));
   return panel;
 }
 
@@ -221,14 +220,15 @@ Figure first_contact(Evaluator& evaluator, const Evaluation& run, const Evaluati
 Table bounces(Evaluator& evaluator, const Evaluation& run) {
   const Reference& reference = evaluator.reference();
   const Column drift = energy_drift(run.trace);
-  Table table{"contact-bounces",
-              "Every bounce of ODE",
-              {"bounce", "contact, s", "after the reference's touch, steps", "rate before, rad/s", "rate after, rad/s",
-               "restitution delivered", "deepest overlap at contact, m", "energy drift before, J",
-               "energy drift after, J", "energy drift between this bounce and the next (rms), J"},
-              {},
-              "The restitution asked for is that of the scenario. The energy jumps at a bounce though no speed is lost: "
-              "the stored rate belongs to half a step before the stored angle, and the bounce turns that around."};
+  Table table{
+      "contact-bounces",
+      "Every bounce of ODE",
+      {"bounce", "contact, s", "after the reference's touch, steps", "rate before, rad/s", "rate after, rad/s",
+       "restitution delivered", "deepest overlap at contact, m", "energy drift before, J", "energy drift after, J",
+       "energy drift between this bounce and the next (rms), J"},
+      {},
+      "The restitution asked for is that of the scenario. The energy jumps at a bounce though no speed is lost: "
+      "the stored rate belongs to half a step before the stored angle, and the bounce turns that around."};
   const double h = evaluator.grid().step_s;
   for (std::size_t i = 0; i < run.outcome.impacts.size(); ++i) {
     const Impact& impact = run.outcome.impacts[i];
@@ -261,7 +261,8 @@ Section contact_delay(Laboratory& laboratory, Findings& findings) {
   Section section{"contact-delay", "Does ODE see the wall late?", {}};
   section.blocks.emplace_back(report::Text{fmt::format(
       "In 2010 a link was dropped against a wall, and ODE turned it back some ten steps after q = -pi/2, where the "
-      "MATLAB program turned it. ERP and CFM were suspected; nobody tried. The wall of the ODE program, however, has its "
+      "MATLAB program turned it. ERP and CFM were suspected; nobody tried. The wall of the ODE program, however, has "
+      "its "
       "face at {} m, while the side of the hanging link is at {} m: the link touches first with a corner, when "
       "q = {:.5f} rad, which is {} s or {:.1f} steps after q = -pi/2.",
       file.wall->face_m, side_of_link(file), touch_rad, shown(truth.touch_s - truth.vertical_s),

@@ -101,11 +101,11 @@ Figure figure(const Wanted& which, catalogue::Evaluator& evaluator, const Evalua
     add_path(way, "link " + number, trace.t, paths[i].across, paths[i].up, colour, shade);
   }
   figure.panels.push_back(std::move(way));
-  figure.panels.push_back(over_time("energy, J",
-                                    {curve("kinetic", trace.t, trace.kinetic, 0),
-                                     curve("potential", trace.t, trace.potential, 1),
-                                     curve("total", trace.t, total_energy(trace), 2)},
-                                    shade));
+  figure.panels.push_back(
+      over_time("energy, J",
+                {curve("kinetic", trace.t, trace.kinetic, 0), curve("potential", trace.t, trace.potential, 1),
+                 curve("total", trace.t, total_energy(trace), 2)},
+                shade));
 
   const Metrics metrics = evaluator.measure(run, scenario.duration_s);
   figure.caption = fmt::format("{}. Energy is off by up to {} J.",
@@ -129,7 +129,8 @@ Section double_pendulum(Laboratory& laboratory, Findings&) {
       "caption of Figure 5.9 gives a step of 0.0001 s, its program has 0.001 s; the runs here use h = {} s.",
       scenario.step_s)});
   section.blocks.emplace_back(report::Text{
-      "What the report could not draw is where to stop reading: the motion is chaotic, and once a method is off by more "
+      "What the report could not draw is where to stop reading: the motion is chaotic, and once a method is off by "
+      "more "
       "than 0.1 rad its curve is the motion of another pendulum, however smooth it looks. That part is shaded."});
   for (const Wanted& which : wanted) {
     if (const Evaluation* const run = laboratory.run("double_pendulum", which.method)) {

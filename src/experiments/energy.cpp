@@ -48,10 +48,11 @@ Section energy(Laboratory& laboratory, Findings& findings) {
       "the same on a logarithmic axis.";
 
   Section section{"energy", "Energy: ODE, ode45 and Euler", {}};
-  section.blocks.emplace_back(report::Text{fmt::format(
-      "The report saw ODE's energy fluctuate much more than ode45's and Euler's. Measured over {} s from the same start, "
-      "ODE's energy is off by at most {} J, that of ode45 by {} J and that of Euler by {} J.",
-      end, shown(largest[0]), shown(largest[1]), shown(largest[2]))});
+  section.blocks.emplace_back(
+      report::Text{fmt::format("The report saw ODE's energy fluctuate much more than ode45's and Euler's. Measured "
+                               "over {} s from the same start, "
+                               "ODE's energy is off by at most {} J, that of ode45 by {} J and that of Euler by {} J.",
+                               end, shown(largest[0]), shown(largest[1]), shown(largest[2]))});
   section.blocks.emplace_back(std::move(figure));
   section.blocks.emplace_back(std::move(table));
   return section;

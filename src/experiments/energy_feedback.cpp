@@ -81,7 +81,8 @@ Figure figure(const std::vector<Run>& runs, const std::vector<double>& cfms) {
     }
   }
   figure.caption =
-      "A column for each step size. Were feedback the reason for the drift, the curves of the first two rows would rise "
+      "A column for each step size. Were feedback the reason for the drift, the curves of the first two rows would "
+      "rise "
       "from left (no feedback) to right. The third row shows what ERP does to the motion itself.";
   return figure;
 }
@@ -117,12 +118,13 @@ Section energy_feedback(Laboratory& laboratory, Findings& findings) {
     ratios.push_back(without.drift / with.drift);
     listed += fmt::format("{}{} J without and {} J with it at h = {} s", listed.empty() ? "" : ", ",
                           shown(without.drift), shown(with.drift), step_s);
-    angles += fmt::format("{}{} and {} rad", angles.empty() ? "" : ", ", shown(without.error_early),
-                          shown(with.error_early));
+    angles +=
+        fmt::format("{}{} and {} rad", angles.empty() ? "" : ", ", shown(without.error_early), shown(with.error_early));
   }
-  const std::string meaning = fmt::format("largest energy drift in {} s without feedback (ERP 0, CFM 0) over that with "
-                                          "ERP 0.2 and CFM {}: ",
-                                          file.duration_s, file.ode.cfm);
+  const std::string meaning = fmt::format(
+      "largest energy drift in {} s without feedback (ERP 0, CFM 0) over that with "
+      "ERP 0.2 and CFM {}: ",
+      file.duration_s, file.ode.cfm);
   findings.add("C8b.least_ratio",
                measured(meaning + "the smallest of three step sizes", "", *std::ranges::min_element(ratios)));
   findings.add("C8b.largest_ratio",
@@ -130,12 +132,14 @@ Section energy_feedback(Laboratory& laboratory, Findings& findings) {
 
   Section section{"energy-feedback", "Is the feedback of joint errors to blame?", {}};
   section.blocks.emplace_back(report::Text{fmt::format(
-      "The report explained ODE's restless energy by the feedback of joint errors, which works like forces from outside, "
+      "The report explained ODE's restless energy by the feedback of joint errors, which works like forces from "
+      "outside, "
       "and did not try it without. Here it is tried: ERP from 0 to 0.9, four values of CFM, three step sizes. If "
       "feedback were the reason, the drift would be gone at ERP 0. The largest drift in {} s is {}.",
       file.duration_s, listed)});
   section.blocks.emplace_back(report::Text{fmt::format(
-      "ERP rules the motion as well: until {} s the angles are off, without and with feedback, by {} for the same three "
+      "ERP rules the motion as well: until {} s the angles are off, without and with feedback, by {} for the same "
+      "three "
       "steps. Without feedback the rounding and first-order errors of each step stay in the joints, which come apart "
       "(last column), and links that swing about the wrong point do wrong work.",
       early_s, angles)});

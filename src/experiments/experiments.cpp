@@ -22,6 +22,8 @@ constexpr std::array table{
     Experiment{"sensitivity", "How an error of the start grows (Figure 5.14)", sensitivity},
     Experiment{"dh", "A toolbox's equations and the hand-derived ones", denavit_hartenberg},
     Experiment{"single-pendulum", "Was the double pendulum a good choice?", single_pendulum},
+    Experiment{"coordinates", "Cartesian or generalized coordinates?", coordinates},
+    Experiment{"feedback-term", "What the feedback term keeps together", feedback_term},
     Experiment{"remedy", "A fourth-order step beside ODE's collision detection", remedy},
 };
 // clang-format on

@@ -118,8 +118,8 @@ void add_order(report::Table& table, const Case& which, const std::vector<Run>& 
 }
 
 Panel convergence(const Case& which, const std::vector<Run>& runs) {
-  Panel panel{.x_label = "h, s (" + which.label + ")", .y_label = "angle error until 1 s, rad", .log_x = true,
-              .log_y = true};
+  Panel panel{
+      .x_label = "h, s (" + which.label + ")", .y_label = "angle error until 1 s, rad", .log_x = true, .log_y = true};
   struct Row {
     const char* label;
     double (*error)(const Run&);
@@ -167,14 +167,14 @@ Section half_step(Laboratory& laboratory, Findings& findings) {
   const std::vector<Case> cases{{"double_pendulum", {}, "double pendulum"},
                                 {"single_pendulum", {}, "single pendulum"},
                                 {"double_pendulum", {2, -1}, "double pendulum started at 2 and -1 rad/s"}};
-  report::Table errors{"half-step",
-                       "ODE's error as a shift of time",
-                       {"motion", "h, s", "error as given, rad", "best shift, steps", "error after the shift, rad",
-                        "error with the half-step start, rad", "gain of the half-step start",
-                        "uncertainty of the reference, rad"},
-                       {},
-                       "Until 1 s. A shift of +0.5 means that ODE's angles at t are the reference's at t + h/2: ODE is "
-                       "ahead."};
+  report::Table errors{
+      "half-step",
+      "ODE's error as a shift of time",
+      {"motion", "h, s", "error as given, rad", "best shift, steps", "error after the shift, rad",
+       "error with the half-step start, rad", "gain of the half-step start", "uncertainty of the reference, rad"},
+      {},
+      "Until 1 s. A shift of +0.5 means that ODE's angles at t are the reference's at t + h/2: ODE is "
+      "ahead."};
   report::Table orders{"half-step-order",
                        "Observed order in the step size",
                        {"motion", "as given", "±", "after the best shift", "±", "half-step start", "±"},
@@ -205,13 +205,16 @@ Section half_step(Laboratory& laboratory, Findings& findings) {
                                       order.half_width));
   }
   figure.caption =
-      "First order is a slope of one decade a decade, second order of two. From a start at rest a shift of the clock and "
+      "First order is a slope of one decade a decade, second order of two. From a start at rest a shift of the clock "
+      "and "
       "the half-step start take away the same; a start at speed is no pure shift.";
 
   Section section{"half-step", "Half a step: what ODE's first-order error is", {}};
   section.blocks.emplace_back(report::Text{
-      "ODE computes new velocities from the forces at t and moves the bodies with them. So a stored velocity belongs to "
-      "the middle of the step before, t - h/2, though ODE is started with that of t = 0. From rest this start is half a "
+      "ODE computes new velocities from the forces at t and moves the bodies with them. So a stored velocity belongs "
+      "to "
+      "the middle of the step before, t - h/2, though ODE is started with that of t = 0. From rest this start is half "
+      "a "
       "step too late in the speed, and all that follows comes half a step early: ODE's angles at t are those of "
       "t + h/2."});
   section.blocks.emplace_back(report::Text{

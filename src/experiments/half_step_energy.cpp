@@ -28,13 +28,13 @@ double largest_until(const Column& t, const Column& drift, double time_s) {
 
 Section half_step_energy(Laboratory& laboratory, Findings& findings) {
   report::Figure figure{"half-step-energy-figure", "Energy drift of one and the same motion, read twice", {}, {}, 1};
-  report::Table table{"half-step-energy",
-                      "Energy drift from stored and from centred velocities",
-                      {"scenario", "until, s", "from stored velocities, J", "from centred velocities, J", "ratio",
-                       "angle error, rad"},
-                      {},
-                      "The runs are those of the scenario files. Both columns are of the same motion, so the error of "
-                      "the angles is one."};
+  report::Table table{
+      "half-step-energy",
+      "Energy drift from stored and from centred velocities",
+      {"scenario", "until, s", "from stored velocities, J", "from centred velocities, J", "ratio", "angle error, rad"},
+      {},
+      "The runs are those of the scenario files. Both columns are of the same motion, so the error of "
+      "the angles is one."};
   for (const char* name : {"double_pendulum", "single_pendulum"}) {
     Evaluator& evaluator = laboratory.evaluator(name);
     const Evaluation& run = *laboratory.run(name, method);

@@ -25,9 +25,9 @@ struct Point {
   std::string scenario;
   double step_s;
   double erp;
-  double error[2];   // rad, until times_s, with the half-step start
-  double doubt[2];   // rad, of the reference
-  double as_given;   // rad, until the last of the times, without it
+  double error[2];  // rad, until times_s, with the half-step start
+  double doubt[2];  // rad, of the reference
+  double as_given;  // rad, until the last of the times, without it
 };
 
 Point measure_one(Evaluator& evaluator, double erp) {
@@ -46,8 +46,8 @@ Point measure_one(Evaluator& evaluator, double erp) {
 }
 
 Panel panel(const std::vector<Point>& points, const std::string& scenario, double step_s) {
-  Panel panel{.x_label = fmt::format("ERP ({}, h = {} s)", scenario, step_s), .y_label = "angle error, rad",
-              .log_y = true};
+  Panel panel{
+      .x_label = fmt::format("ERP ({}, h = {} s)", scenario, step_s), .y_label = "angle error, rad", .log_y = true};
   Series series[] = {{"half-step start, until 1 s", {}, {}, report::Mark::line_and_points, 0},
                      {"half-step start, until 3 s", {}, {}, report::Mark::line_and_points, 1},
                      {"as given, until 3 s", {}, {}, report::Mark::line_and_points, 2, true}};
@@ -82,8 +82,8 @@ Section half_step_erp(Laboratory& laboratory, Findings& findings) {
       for (const double erp : erps) {
         points.push_back(measure_one(evaluator, erp));
         const Point& point = points.back();
-        table.rows.push_back({point.scenario, point.step_s, point.erp, point.error[0], point.error[1], point.as_given,
-                              point.doubt[1]});
+        table.rows.push_back(
+            {point.scenario, point.step_s, point.erp, point.error[0], point.error[1], point.as_given, point.doubt[1]});
       }
       figure.panels.push_back(panel(points, name, step_s));
     }
@@ -95,13 +95,15 @@ Section half_step_erp(Laboratory& laboratory, Findings& findings) {
   };
   const Point usual = find(0.2);
   const Point stiff = find(0.8);
-  findings.add("O2.gain",
-               measured_ratio(fmt::format("angle error until {} s with ERP 0.2 over that with ERP 0.8, half-step start, "
-                                          "h = {} s",
-                                          times_s[1], fine_step_s),
-                              usual.error[1], stiff.error[1], usual.doubt[1], stiff.doubt[1]));
+  findings.add(
+      "O2.gain",
+      measured_ratio(fmt::format("angle error until {} s with ERP 0.2 over that with ERP 0.8, half-step start, "
+                                 "h = {} s",
+                                 times_s[1], fine_step_s),
+                     usual.error[1], stiff.error[1], usual.doubt[1], stiff.doubt[1]));
   figure.caption =
-      "The dashed curve is ODE as it is usually started: there the first-order error hides what ERP does, and one value "
+      "The dashed curve is ODE as it is usually started: there the first-order error hides what ERP does, and one "
+      "value "
       "of ERP looks like another.";
 
   Section section{"half-step-erp", "The best ERP", {}};

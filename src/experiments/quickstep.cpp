@@ -42,12 +42,13 @@ Section quickstep(Laboratory& laboratory, Findings& findings) {
   scenario.duration_s = until_s;
   Evaluator evaluator(scenario);
   const Metrics of_step = file.measure(step, until_s);
-  report::Table table{"quickstep",
-                      "QuickStep beside dWorldStep on two links",
-                      {"method", "iterations", "over-relaxation", fmt::format("angle error until {} s, rad", until_s),
-                       "error over dWorldStep's", fmt::format("largest gap until {} s, m", until_s)},
-                      {{std::string(big_matrix), std::string("direct"), std::string("-"), error, 1.0, of_step.max_gap}},
-                      "The cost of a step grows with the iterations; what it is on this machine stands in the timings."};
+  report::Table table{
+      "quickstep",
+      "QuickStep beside dWorldStep on two links",
+      {"method", "iterations", "over-relaxation", fmt::format("angle error until {} s, rad", until_s),
+       "error over dWorldStep's", fmt::format("largest gap until {} s, m", until_s)},
+      {{std::string(big_matrix), std::string("direct"), std::string("-"), error, 1.0, of_step.max_gap}},
+      "The cost of a step grows with the iterations; what it is on this machine stands in the timings."};
   Panel errors{.x_label = "iterations", .y_label = "angle error, rad", .log_x = true, .log_y = true};
   Panel gaps{.x_label = "iterations", .y_label = "largest gap, m", .log_x = true, .log_y = true};
   for (const double over_relaxation : over_relaxations) {
@@ -77,10 +78,12 @@ Section quickstep(Laboratory& laboratory, Findings& findings) {
   report::Figure figure{"quickstep-figure", "Error and gap over the iterations", {}, {}, 2};
   figure.panels = {std::move(errors), std::move(gaps)};
   figure.caption =
-      "Where a curve lies on the dashed line, the joints are solved well enough and the step size alone makes the error.";
+      "Where a curve lies on the dashed line, the joints are solved well enough and the step size alone makes the "
+      "error.";
   Section section{"quickstep", "What QuickStep loses", {}};
   section.blocks.emplace_back(report::Text{fmt::format(
-      "QuickStep solves the joints by iteration where dWorldStep factorises a matrix; the rest of the step is the same. "
+      "QuickStep solves the joints by iteration where dWorldStep factorises a matrix; the rest of the step is the "
+      "same. "
       "The report calls it a lot less accurate. Measured on the double pendulum at h = {} s, over the number of "
       "iterations (ODE's default is 20) and the over-relaxation (default 1.3). This is two links: iterations "
       "spread along a chain, so a longer one needs more of them.",

@@ -50,20 +50,22 @@ report::Figure traces(Evaluator& evaluator, const std::vector<const Evaluation*>
   report::Figure figure{"wall-pendulum-figure", "The wall pendulum in all methods", {}, {}, 2};
   figure.panels = {std::move(angle), std::move(rate), std::move(energy), std::move(error)};
   figure.caption =
-      "At an impact the angle turns and the rate changes its sign. Where a method finds the impact a step early or late, "
+      "At an impact the angle turns and the rate changes its sign. Where a method finds the impact a step early or "
+      "late, "
       "its rate is of the wrong sign for that long; the angles hardly show it.";
   return figure;
 }
 
 report::Table impacts(Evaluator& evaluator, const std::vector<const Evaluation*>& runs) {
   const Reference& reference = evaluator.reference();
-  report::Table table{"wall-pendulum-impacts",
-                      "Every impact of every method",
-                      {"method", "impact", "t, s", "later than the reference, s", "the reference knows its own to, s",
-                       "q, rad", "rate before, rad/s", "rate after, rad/s", "deepest overlap, m"},
-                      {},
-                      "Methods that locate the touch have no overlap. An impact of ODE stands at the step that finds one, "
-                      "so a step late or early is what it can do at best."};
+  report::Table table{
+      "wall-pendulum-impacts",
+      "Every impact of every method",
+      {"method", "impact", "t, s", "later than the reference, s", "the reference knows its own to, s", "q, rad",
+       "rate before, rad/s", "rate after, rad/s", "deepest overlap, m"},
+      {},
+      "Methods that locate the touch have no overlap. An impact of ODE stands at the step that finds one, "
+      "so a step late or early is what it can do at best."};
   for (const Evaluation* run : runs) {
     for (std::size_t i = 0; i < run->outcome.impacts.size(); ++i) {
       const Impact& impact = run->outcome.impacts[i];
@@ -96,7 +98,8 @@ Section wall_pendulum(Laboratory& laboratory, Findings&) {
     }
   }
   section.blocks.emplace_back(report::Text{fmt::format(
-      "Chapter 6 of the report: a link of {} m on a hinge at x = {} m falls from the horizontal against a wall with its "
+      "Chapter 6 of the report: a link of {} m on a hinge at x = {} m falls from the horizontal against a wall with "
+      "its "
       "face at x = {} m and a restitution of {}. ODE finds the wall by its collision detection; the other methods stop "
       "where the link's outline touches it, which the closed form knows exactly.",
       scenario.links.front().length_m, scenario.problem->frame.hinge_m[0], scenario.wall->face_m,

@@ -45,9 +45,9 @@ struct Shade {
 };
 
 struct Panel {
-  std::string x_label;
-  std::string y_label;
-  std::vector<Series> series;
+  std::string x_label{};
+  std::string y_label{};
+  std::vector<Series> series{};
   bool log_x = false;
   bool log_y = false;
   bool equal_axes = false;  // one metre across is one metre up

@@ -1,0 +1,90 @@
+// How an error of the start grows: claim C10, Figure 5.14.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "experiments/all.hpp"
+#include "experiments/parts.hpp"
+#include "reference/reference_solution.hpp"
+#include "reference/sensitivity.hpp"
+
+namespace odeval::experiments {
+namespace {
+
+constexpr double delta_rad = 0.006;  // report, 5.7.3
+constexpr double parted_rad = 0.5;   // visible in a plot of several radians
+constexpr double look_s = 6;
+
+std::size_t row_at(const Column& t, double time) { return rows_between(t, 0, time).end - 1; }
+
+}  // namespace
+
+Section sensitivity(Laboratory& laboratory, Findings& findings) {
+  catalogue::Evaluator& evaluator = laboratory.evaluator("double_pendulum");
+  const Reference& reference = evaluator.reference();
+  const Column& t = reference.trace.t;
+  Scenario perturbed = evaluator.scenario();
+  for (double& q : perturbed.q0) q += delta_rad;
+  const Reference other = reference::solve_reference(perturbed, evaluator.grid());
+  const reference::Sensitivity motion = reference::solve_sensitivity(evaluator.scenario(), evaluator.grid());
+
+  Column separation(t.size());
+  Column predicted(t.size());
+  double parts_at = INFINITY;
+  for (std::size_t k = 0; k < t.size(); ++k) {
+    separation[k] = std::fabs(other.trace.q[1][k] - reference.trace.q[1][k]);
+    // Row of q2 in the 4 x 4 matrix of transition, columns of q1 and q2.
+    predicted[k] = std::fabs(motion.transition[k][4] + motion.transition[k][5]) * delta_rad;
+    if (separation[k] > parted_rad && parts_at == INFINITY) parts_at = t[k];
+  }
+  const double growth = motion.growth[row_at(motion.t, look_s)];
+  findings.add("C10.perturbed_parts_at",
+               measured(fmt::format("first time at which {} rad more in q1 and q2 at the start move q2 by {} rad",
+                                    delta_rad, parted_rad),
+                        "s", parts_at, evaluator.grid().step_s));
+  findings.add("C10.growth_at_6s",
+               measured("growth of the worst small error of the start until 6 s (largest singular value)", "", growth));
+
+  const catalogue::Evaluation& ode = *laboratory.run("double_pendulum", "ode-step-double");
+  report::Panel angles{.x_label = "t, s", .y_label = "q2, rad"};
+  angles.series = {curve("as given", t, reference.trace.q[1]),
+                   curve(fmt::format("{} rad off at the start", delta_rad), t, other.trace.q[1], -1, true)};
+  report::Panel apart{.x_label = "t, s", .y_label = "separation of q2, rad", .log_y = true};
+  apart.series = {curve("measured", t, above_zero(separation)),
+                  curve("predicted by the sensitivities", t, above_zero(predicted), -1, true),
+                  curve("error of ode-step-double", ode.trace.t, above_zero(largest_error(ode.trace)),
+                        colour_of("ode-step-double"))};
+  report::Panel factor{.x_label = "t, s", .y_label = "growth factor", .log_y = true};
+  factor.series = {curve("largest singular value", motion.t, above_zero(motion.growth))};
+  report::Panel exponent{.x_label = "t, s", .y_label = "finite-time Lyapunov exponent, 1/s"};
+  exponent.series = {curve("ln(growth) / t", motion.t, motion.exponent)};
+
+  report::Table table{"sensitivity",
+                      "Growth of a small error of the start",
+                      {"t, s", "growth factor", "Lyapunov exponent, 1/s", "separation of q2, rad", "predicted, rad"},
+                      {},
+                      "The prediction is linear: it holds as long as the separation is small."};
+  for (const double time : {1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0}) {
+    if (time > t.back()) continue;
+    const std::size_t k = row_at(t, time);
+    table.rows.push_back({time, motion.growth[k], motion.exponent[k], separation[k], predicted[k]});
+  }
+
+  Section section{"sensitivity", "How an error of the start grows (Figure 5.14)", {}};
+  section.blocks.emplace_back(report::Text{fmt::format(
+      "The report started a second run {} rad off and saw q2 part after three seconds. Here both runs are the "
+      "reference, so "
+      "no method's own error is in them, and CVODES says beside it how any small error of the start grows: {} times "
+      "until {} s.",
+      delta_rad, shown(growth), look_s)});
+  section.blocks.emplace_back(
+      report::Figure{"fig-5-14",
+                     "Figure 5.14 again",
+                     "A method's error, once made, grows as an error of the start would.",
+                     {std::move(angles), std::move(apart), std::move(factor), std::move(exponent)},
+                     2});
+  section.blocks.emplace_back(std::move(table));
+  return section;
+}
+
+}  // namespace odeval::experiments

@@ -1,0 +1,64 @@
+// The single pendulum beside the double one: claim C17.
+#include <fmt/format.h>
+
+#include "experiments/all.hpp"
+#include "experiments/parts.hpp"
+
+namespace odeval::experiments {
+namespace {
+
+constexpr const char* shown_methods[] = {"ode-step-double", "ode-rk4-double", "lagrange-ode45", "lagrange-euler"};
+constexpr double early_s = 1;
+constexpr double late_s = 10;
+
+}  // namespace
+
+Section single_pendulum(Laboratory& laboratory, Findings& findings) {
+  report::Table table{"single-pendulum",
+                      "How the error of dWorldStep grows",
+                      {"scenario", "error until 1 s, rad", "until 10 s, rad", "growth"},
+                      {},
+                      ""};
+  double growth[2] = {};
+  double doubt[2] = {};
+  const char* const scenarios[] = {"single_pendulum", "double_pendulum"};
+  for (std::size_t s = 0; s < 2; ++s) {
+    catalogue::Evaluator& evaluator = laboratory.evaluator(scenarios[s]);
+    const catalogue::Evaluation& run = *laboratory.run(scenarios[s], "ode-step-double");
+    const double early = error_until(evaluator, run, early_s);
+    const double late = error_until(evaluator, run, late_s);
+    growth[s] = late / early;
+    doubt[s] =
+        (uncertainty_until(evaluator, run, late_s) + growth[s] * uncertainty_until(evaluator, run, early_s)) / early;
+    table.rows.push_back({std::string(scenarios[s]), early, late, growth[s]});
+  }
+  findings.add("C17.growth_ratio",
+               measured_ratio("growth of dWorldStep's error from 1 s to 10 s: double over single pendulum", growth[1],
+                              growth[0], doubt[1], doubt[0]));
+
+  report::Panel panel{.x_label = "t, s", .y_label = "error, rad", .log_y = true};
+  for (const char* method : shown_methods) {
+    const catalogue::Evaluation& run = *laboratory.run("single_pendulum", method);
+    panel.series.push_back(curve(method, run.trace.t, above_zero(largest_error(run.trace)), colour_of(method)));
+  }
+  const Reference& reference = laboratory.evaluator("single_pendulum").reference();
+  panel.series.push_back(
+      curve("the reference's uncertainty", reference.trace.t, above_zero(reference.uncertainty_q), -1, true));
+
+  Section section{"single-pendulum", "Was the double pendulum a good choice?", {}};
+  section.blocks.emplace_back(report::Text{fmt::format(
+      "The report wished it had compared single pendulums. From 1 s to 10 s the error of dWorldStep grows {} times on "
+      "the single pendulum and {} times on the double one, where after some seconds it measures the motion and no "
+      "longer "
+      "the method.",
+      shown(growth[0]), shown(growth[1]))});
+  section.blocks.emplace_back(report::Figure{"single-pendulum-errors",
+                                             "Errors on the single pendulum",
+                                             "Largest angle error at each time.",
+                                             {std::move(panel)},
+                                             1});
+  section.blocks.emplace_back(std::move(table));
+  return section;
+}
+
+}  // namespace odeval::experiments
