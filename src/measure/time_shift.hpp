@@ -5,10 +5,11 @@
 namespace odeval {
 
 struct TimeShift {
-  double shift_s = 0;     // the trace runs ahead of the other by this much; negative: behind
-  double rms_left = 0;    // rad, what the shift does not explain
-  double max_left = 0;    // rad
-  double sensitivity = 0; // rad/s, root mean square of the rates: an error of e rad shifts the answer by up to e / this
+  double shift_s = 0;   // the trace runs ahead of the other by this much; negative: behind
+  double rms_left = 0;  // rad, what the shift does not explain
+  double max_left = 0;  // rad
+  double sensitivity =
+      0;  // rad/s, root mean square of the rates: an error of e rad shifts the answer by up to e / this
 };
 
 /// The s that minimises the root mean square of q(t) - wanted q(t + s) over all angles and over the samples with

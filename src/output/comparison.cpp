@@ -123,8 +123,8 @@ double allowed_at(const std::string& way, const Leaves& a, const Leaves& b) {
   }
   if (name == "reference_uncertainty") return std::max(in_a, in_b) / 2;
   if (name == "divergence_time") {
-    return 1.001 * std::max(number(find(a, "settings.sample")).value_or(0),
-                            number(find(b, "settings.sample")).value_or(0));
+    return 1.001 *
+           std::max(number(find(a, "settings.sample")).value_or(0), number(find(b, "settings.sample")).value_or(0));
   }
   return rounding(in_a, in_b);
 }
@@ -152,8 +152,8 @@ void compare_summaries(const Place& place, const Json& json_a, const Json& json_
       file.differences.push_back({place.scenario, place.method, way, shown(in_a), shown(in_b), allowed_text(allowed)});
     }
   }
-  file.why = fmt::format("{} of {} values differ, {} more within the uncertainty", file.differences.size(), ways.size(),
-                         near);
+  file.why =
+      fmt::format("{} of {} values differ, {} more within the uncertainty", file.differences.size(), ways.size(), near);
 }
 
 /// The reference's uncertainty by the time until which it holds.
@@ -416,8 +416,7 @@ std::string text_of(Sameness sameness) {
 }  // namespace
 
 bool Comparison::different() const {
-  return std::ranges::any_of(files,
-                             [](const FileComparison& file) { return file.sameness == Sameness::different; });
+  return std::ranges::any_of(files, [](const FileComparison& file) { return file.sameness == Sameness::different; });
 }
 
 Comparison compare_folders(const fs::path& path_a, const fs::path& path_b) {
@@ -469,13 +468,17 @@ std::string comparison_table(const Comparison& comparison, std::size_t most) {
     }
   }
   if (cells > 0) {
-    text += fmt::format("\n{} of {} cells of the report's tables, CPU times among them\n", std::min(most, cells), cells) +
-            shown.text();
+    text +=
+        fmt::format("\n{} of {} cells of the report's tables, CPU times among them\n", std::min(most, cells), cells) +
+        shown.text();
   }
-  const auto of = [&](Sameness sameness) { return std::ranges::count(comparison.files, sameness, &FileComparison::sameness); };
-  return text + fmt::format("\n{} files: {} same bytes, {} same within uncertainty, {} different, {} shown, {} not compared\n",
-                            comparison.files.size(), of(Sameness::bytes), of(Sameness::within), of(Sameness::different),
-                            of(Sameness::shown), of(Sameness::not_compared));
+  const auto of = [&](Sameness sameness) {
+    return std::ranges::count(comparison.files, sameness, &FileComparison::sameness);
+  };
+  return text +
+         fmt::format("\n{} files: {} same bytes, {} same within uncertainty, {} different, {} shown, {} not compared\n",
+                     comparison.files.size(), of(Sameness::bytes), of(Sameness::within), of(Sameness::different),
+                     of(Sameness::shown), of(Sameness::not_compared));
 }
 
 std::string comparison_json(const Comparison& comparison) {

@@ -3,11 +3,11 @@
 //
 // What two values may differ by and still be the same:
 //
-//   max_error_q, rms_error_q      the sum of both sides' reference_uncertainty at the same time: neither is known better
-//   reference_uncertainty         a factor of two: a bound made from differences of two runs, that is, from rounding
-//   divergence_time               a spacing of rows: an error that is off by its uncertainty passes 0.1 rad that near
-//   q, error_q in a trace         the sum of both sides' uncertainty at the next time it is stated for
-//   every other measured number   rounding, 1e-9 of its size or of 1 in SI units: a double rounds at 1e-16 and the double
+//   max_error_q, rms_error_q      the sum of both sides' reference_uncertainty at the same time: neither is known
+//   better reference_uncertainty         a factor of two: a bound made from differences of two runs, that is, from
+//   rounding divergence_time               a spacing of rows: an error that is off by its uncertainty passes 0.1 rad
+//   that near q, error_q in a trace         the sum of both sides' uncertainty at the next time it is stated for every
+//   other measured number   rounding, 1e-9 of its size or of 1 in SI units: a double rounds at 1e-16 and the double
 //                                 pendulum makes that grow by 1e6 in 10 s; the rest is a margin
 //   settings, counts, words       nothing
 //
