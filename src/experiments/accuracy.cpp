@@ -83,7 +83,7 @@ Figure errors(Evaluator& evaluator, const std::vector<const Evaluation*>& runs) 
   panel.series.push_back(curve("uncertainty of the reference", reference.trace.t, above_zero(reference.uncertainty_q),
                                colour_of(catalogue::reference_method), true));
   const double end = reference.trace.t.back();
-  panel.series.push_back(curve("lost: 0.1 rad", {0, end}, {divergence_rad, divergence_rad}, -1, true));
+  panel.series.push_back(curve("lost: 0.1 rad", {0, end}, {divergence_rad, divergence_rad}, guide_colour, true));
   figure.panels.push_back(std::move(panel));
   figure.caption =
       "A method is lost where its curve passes 0.1 rad. All rise alike, since the motion itself amplifies any error; "

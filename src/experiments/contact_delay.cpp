@@ -69,6 +69,7 @@ struct Contact {
   const char* stepper;
   Truth truth;
   std::optional<long> step;  // the step that found the first contact
+  double gap_m = 0;          // of the hinge at that time
   double time_s() const { return static_cast<double>(step.value()) * step_s; }
   double after(double t_s) const { return (time_s() - t_s) / step_s; }
 };
@@ -92,7 +93,10 @@ std::vector<Contact> measure_all(const Scenario& file, const std::vector<Setting
         for (const char* stepper : steppers) {
           const Evaluation run = evaluator.evaluate(*available(stepper), all[s].ode);
           Contact contact{face_m, step_s, s, stepper, truth, std::nullopt};
-          if (!run.outcome.impacts.empty()) contact.step = std::lround(run.outcome.impacts.front().t / step_s);
+          if (!run.outcome.impacts.empty()) {
+            contact.step = std::lround(run.outcome.impacts.front().t / step_s);
+            contact.gap_m = run.trace.gap.at(static_cast<std::size_t>(*contact.step));
+          }
           contacts.push_back(contact);
         }
       }
@@ -109,29 +113,33 @@ const Contact& find(const std::vector<Contact>& contacts, double face_m, double 
   });
 }
 
+/// With the digits that tell steps apart.
+std::string shown_time(double t_s) { return fmt::format("{:.6f}", t_s); }
+
 Table delays(const std::vector<Contact>& contacts, const std::vector<Setting>& all) {
-  Table table{
-      "contact-delay",
-      "First contact with the wall: what moves it?",
-      {"wall's face at, m", "h, s", "settings", "true touch, s", "dWorldStep: contact, s", "steps after q = -pi/2",
-       "steps after the true touch", "QuickStep: contact, s", "QuickStep: steps after the true touch"},
-      {},
-      "The times of q = -pi/2 and of the true touch are of the closed form. A contact stands at the step that "
-      "finds the bodies overlapping, so up to one step after the touch is what a fixed step can do at best; "
-      "a negative delay comes from ODE running half a step ahead."};
+  Table table{"contact-delay",
+              "First contact with the wall: what moves it?",
+              {"wall's face at, m", "h, s", "settings", "true touch, s", "dWorldStep: contact, s",
+               "steps after q = -pi/2", "steps after the true touch", "gap of the hinge then, m",
+               "QuickStep: contact, s", "QuickStep: steps after the true touch"},
+              {},
+              "The times of q = -pi/2 and of the true touch are of the closed form. A contact stands at the step that "
+              "finds the bodies overlapping, so up to one step after the touch is what a fixed step can do at best; "
+              "a negative delay comes from ODE running half a step ahead. A "
+              "hinge that has opened lets the link come later."};
   for (const Contact& contact : contacts) {
     if (contact.stepper != steppers[0]) continue;
     const Contact& quick = find(contacts, contact.face_m, contact.step_s, contact.setting, steppers[1]);
-    std::vector<Cell> row{contact.face_m, contact.step_s, all[contact.setting].name, contact.truth.touch_s};
+    std::vector<Cell> row{contact.face_m, contact.step_s, all[contact.setting].name, shown_time(contact.truth.touch_s)};
     const Missing none{"no contact was found"};
     if (contact.step) {
-      row.insert(row.end(),
-                 {contact.time_s(), contact.after(contact.truth.vertical_s), contact.after(contact.truth.touch_s)});
+      row.insert(row.end(), {shown_time(contact.time_s()), contact.after(contact.truth.vertical_s),
+                             contact.after(contact.truth.touch_s), contact.gap_m});
     } else {
-      row.insert(row.end(), {none, none, none});
+      row.insert(row.end(), {none, none, none, none});
     }
     if (quick.step) {
-      row.insert(row.end(), {quick.time_s(), quick.after(quick.truth.touch_s)});
+      row.insert(row.end(), {shown_time(quick.time_s()), quick.after(quick.truth.touch_s)});
     } else {
       row.insert(row.end(), {none, none});
     }
@@ -181,8 +189,8 @@ Panel angle_panel(const Trace& trace, const Reference& reference, double from_s,
                                colour_of(catalogue::reference_method), true));
   panel.series.push_back(curve(steppers[0], part(trace.t, rows), part(trace.q.front(), rows), colour_of(steppers[0])));
   if (points) panel.series.back().mark = report::Mark::line_and_points;
-  panel.series.push_back(
-      curve("q = -pi/2", {trace.t[rows.first], trace.t[rows.end - 1]}, {vertical_rad, vertical_rad}, -1, true));
+  panel.series.push_back(curve("q = -pi/2", {trace.t[rows.first], trace.t[rows.end - 1]}, {vertical_rad, vertical_rad},
+                               guide_colour, true));
   return panel;
 }
 
@@ -227,8 +235,9 @@ Table bounces(Evaluator& evaluator, const Evaluation& run) {
        "restitution delivered", "deepest overlap at contact, m", "energy drift before, J", "energy drift after, J",
        "energy drift between this bounce and the next (rms), J"},
       {},
-      "The restitution asked for is that of the scenario. The energy jumps at a bounce though no speed is lost: "
-      "the stored rate belongs to half a step before the stored angle, and the bounce turns that around."};
+      fmt::format("The restitution asked for is {}. What is delivered is the rate after over the rate before, of the "
+                  "step that carries the bounce.",
+                  evaluator.scenario().wall->restitution)};
   const double h = evaluator.grid().step_s;
   for (std::size_t i = 0; i < run.outcome.impacts.size(); ++i) {
     const Impact& impact = run.outcome.impacts[i];

@@ -106,6 +106,15 @@ Figure figure(const Wanted& which, catalogue::Evaluator& evaluator, const Evalua
                 {curve("kinetic", trace.t, trace.kinetic, 0), curve("potential", trace.t, trace.potential, 1),
                  curve("total", trace.t, total_energy(trace), 2)},
                 shade));
+  Panel conditioning = over_time("condition; manipulability", {}, shade);
+  conditioning.log_y = true;
+  if (!trace.condition.empty()) {
+    conditioning.series.push_back(curve("condition number", trace.t, above_zero(trace.condition), 0));
+  }
+  if (!trace.manipulability.empty()) {
+    conditioning.series.push_back(curve("manipulability", trace.t, above_zero(trace.manipulability), 1));
+  }
+  if (!conditioning.series.empty()) figure.panels.push_back(std::move(conditioning));
 
   const Metrics metrics = evaluator.measure(run, scenario.duration_s);
   figure.caption = fmt::format("{}. Energy is off by up to {} J.",
@@ -131,7 +140,9 @@ Section double_pendulum(Laboratory& laboratory, Findings&) {
   section.blocks.emplace_back(report::Text{
       "What the report could not draw is where to stop reading: the motion is chaotic, and once a method is off by "
       "more "
-      "than 0.1 rad its curve is the motion of another pendulum, however smooth it looks. That part is shaded."});
+      "than 0.1 rad its curve is the motion of another pendulum, however smooth it looks. That part is shaded. The "
+      "last plot of each figure shows how well conditioned the matrix is that the method "
+      "inverts, and the manipulability of the report's program: far from 1 the pose is an awkward one."});
   for (const Wanted& which : wanted) {
     if (const Evaluation* const run = laboratory.run("double_pendulum", which.method)) {
       section.blocks.emplace_back(figure(which, evaluator, *run));

@@ -12,7 +12,6 @@ namespace odeval::experiments {
 using catalogue::Evaluation;
 using catalogue::Evaluator;
 using report::Finding;
-using report::Missing;
 using report::Series;
 using report::Shade;
 
@@ -99,13 +98,6 @@ Finding measured_ratio(std::string meaning, double a, double b, double doubt_a, 
 
 Finding unavailable(std::string meaning, std::string unit, std::string why) {
   return {std::move(meaning), std::move(unit), std::nullopt, 0, std::move(why)};
-}
-
-std::string shown(double number) { return fmt::format("{:.3g}", number); }
-
-report::Cell cell(const std::optional<double>& number, std::string_view why_not) {
-  if (number) return *number;
-  return Missing{std::string(why_not)};
 }
 
 double error_until(Evaluator& evaluator, const Evaluation& run, double until_s) {

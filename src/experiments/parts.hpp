@@ -5,8 +5,14 @@
 #include <string_view>
 
 #include "experiments/experiment.hpp"
+#include "report/text.hpp"
 
 namespace odeval::experiments {
+
+using report::shown;
+
+/// Of lines that mark a value and belong to no method.
+inline constexpr int guide_colour = 8;
 
 /// Curves over one axis, thinned to what a plot can show.
 report::Series curve(std::string label, const Column& x, const Column& y, int colour = -1, bool dashed = false);
@@ -42,12 +48,6 @@ report::Finding measured(std::string meaning, std::string unit, double value, do
 report::Finding measured_ratio(std::string meaning, double a, double b, double doubt_a = 0, double doubt_b = 0);
 
 report::Finding unavailable(std::string meaning, std::string unit, std::string why);
-
-/// A number in running text: three digits.
-std::string shown(double number);
-
-/// For a table: the number, or why there is none.
-report::Cell cell(const std::optional<double>& number, std::string_view why_not);
 
 /// The largest angle error until a time, which a run that blew up has no number for.
 double error_until(catalogue::Evaluator& evaluator, const catalogue::Evaluation& run, double until_s);

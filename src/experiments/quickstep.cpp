@@ -72,8 +72,8 @@ Section quickstep(Laboratory& laboratory, Findings& findings) {
     gaps.series.push_back(std::move(of_gap));
   }
   const Column ends{static_cast<double>(iterations[0]), static_cast<double>(std::end(iterations)[-1])};
-  errors.series.push_back(curve("dWorldStep", ends, {error, error}, -1, true));
-  gaps.series.push_back(curve("dWorldStep", ends, {of_step.max_gap, of_step.max_gap}, -1, true));
+  errors.series.push_back(curve("dWorldStep", ends, {error, error}, guide_colour, true));
+  gaps.series.push_back(curve("dWorldStep", ends, {of_step.max_gap, of_step.max_gap}, guide_colour, true));
 
   report::Figure figure{"quickstep-figure", "Error and gap over the iterations", {}, {}, 2};
   figure.panels = {std::move(errors), std::move(gaps)};

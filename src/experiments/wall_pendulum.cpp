@@ -75,8 +75,8 @@ report::Table impacts(Evaluator& evaluator, const std::vector<const Evaluation*>
         late = impact.t - reference.impacts[i].t;
         known = reference.impact_uncertainty_s[i];
       }
-      table.rows.push_back({std::string(run->method->name), static_cast<double>(i + 1), impact.t, late, known,
-                            impact.q1, impact.qd_before, impact.qd_after, impact.depth});
+      table.rows.push_back({std::string(run->method->name), static_cast<double>(i + 1), fmt::format("{:.6f}", impact.t),
+                            late, known, impact.q1, impact.qd_before, impact.qd_after, impact.depth});
     }
   }
   return table;
