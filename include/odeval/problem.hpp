@@ -33,7 +33,7 @@ struct PlanarFrame {
 struct Problem {
   std::string_view name;
   std::string_view summary;
-  int links;
+  int links;  // 0: as many as the scenario says
   bool wall;
   PlanarFrame frame;
 };
@@ -44,11 +44,16 @@ inline constexpr PlanarFrame hanging_frame{
 /// Report C.5: the box lies along +x of its own frame and turns about y.
 inline constexpr PlanarFrame lying_frame{{1, 0, 3}, {1, 0, 0}, {0, 0, 1}, {0, 1, 0}, {1, 0, 0}, {0, 0, 1}, 0};
 
+/// Potra et al. (IJNME 66, 2006): the same plane about (0, 0, 2).
+inline constexpr PlanarFrame potra_frame{{0, 0, 2}, {1, 0, 0}, {0, 0, 1}, {0, 1, 0}, {1, 0, 0}, {0, 0, 1}, 0};
+
 /// The one table of problems; everything that names a problem reads it.
-inline constexpr std::array<Problem, 3> problems{{
+inline constexpr std::array<Problem, 5> problems{{
     {"single_pendulum", "one link on one hinge; closed form in elliptic functions", 1, false, hanging_frame},
     {"double_pendulum", "two links on two hinges; chaotic", 2, false, hanging_frame},
     {"wall_pendulum", "one link that swings against a wall; closed form between impacts", 1, true, lying_frame},
+    {"chain", "n links on n hinges", 0, false, hanging_frame},
+    {"potra_pendulum", "two balls on rods that both swing against a wall", 2, true, potra_frame},
 }};
 
 }  // namespace odeval

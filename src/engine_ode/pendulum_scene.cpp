@@ -103,15 +103,19 @@ void PendulumScene::add_links(const Scenario& scenario) {
     rate += scenario.qd0[i];
     const Vec3 along = moved(moved({}, std::cos(angle), frame.horizontal), std::sin(angle), frame.up);
     const Vec3 across = cross(axis, along);  // a point at distance s along the link moves with rate * s * across
-    const Vec3 centre = moved(near, link.length_m / 2, along);
-    const Vec3 velocity = moved(near_velocity, rate * link.length_m / 2, across);
+    const Vec3 centre = moved(near, link.centre_m(), along);
+    const Vec3 velocity = moved(near_velocity, rate * link.centre_m(), across);
 
     const dBodyID body = dBodyCreate(world_);
     dBodySetGyroscopicMode(body, 1);
     dBodySetFiniteRotationMode(body, 0);
     dMass mass;
     const Vec3 sides = box_sides(link, frame);
-    dMassSetBoxTotal(&mass, real(link.mass_kg), real(sides[0]), real(sides[1]), real(sides[2]));
+    if (link.shape == Shape::box) {
+      dMassSetBoxTotal(&mass, real(link.mass_kg), real(sides[0]), real(sides[1]), real(sides[2]));
+    } else {
+      dMassSetSphereTotal(&mass, real(link.mass_kg), real(link.width_m / 2));
+    }
     dBodySetMass(body, &mass);
     dMatrix3 rotation;
     dRFromAxisAndAngle(rotation, real(axis[0]), real(axis[1]), real(axis[2]), real(angle + frame.rest_turn_rad));
@@ -119,8 +123,9 @@ void PendulumScene::add_links(const Scenario& scenario) {
     dBodySetPosition(body, real(centre[0]), real(centre[1]), real(centre[2]));
     dBodySetLinearVel(body, real(velocity[0]), real(velocity[1]), real(velocity[2]));
     dBodySetAngularVel(body, real(rate * axis[0]), real(rate * axis[1]), real(rate * axis[2]));
-    const dGeomID box = dCreateBox(space_, real(sides[0]), real(sides[1]), real(sides[2]));
-    dGeomSetBody(box, body);
+    const dGeomID geom = link.shape == Shape::box ? dCreateBox(space_, real(sides[0]), real(sides[1]), real(sides[2]))
+                                                  : dCreateSphere(space_, real(link.width_m / 2));
+    dGeomSetBody(geom, body);
 
     // The first link is body 0 of its hinge, to the world; every other link is body 1, after its parent (C.2).
     // C.5 hangs its link on a further body that a fixed joint holds inside the wall, in contact with it in every step;

@@ -19,7 +19,7 @@ using StepFunction = int (*)(dWorldID, dReal);
 class PendulumSimulation final : public Simulation {
  public:
   PendulumSimulation(const Scenario& scenario, const SampleGrid& grid, StepFunction step)
-      : scenario_(scenario), grid_(grid), step_(step), scene_(scenario) {
+      : scenario_(scenario), grid_(grid), step_(step), scene_(scenario), touching_(scenario.links.size()) {
     impacts_.reserve(1024);
     double angle = 0;
     for (const double q : scenario.q0) angles_.push_back(angle += q);
@@ -33,9 +33,10 @@ class PendulumSimulation final : public Simulation {
     if (scenario.wall) world.restitution = scenario.ode.bounce.value_or(scenario.wall->restitution);
     world.before_impact = [this](double after_s) {
       ++contacts_;
-      impacts_.push_back({time_of(stepper_steps_) + after_s, angle(), rate(), 0, 0});
+      touched_ = nearest_the_wall();
+      begin_impact(time_of(stepper_steps_) + after_s, touched_, 0);
     };
-    world.after_impact = [this] { impacts_.back().qd_after = rate(); };
+    world.after_impact = [this] { impacts_.back().qd_after = speed(touched_); };
     stepper_ = make_stepper(world);
   }
 
@@ -82,18 +83,46 @@ class PendulumSimulation final : public Simulation {
  private:
   double time_of(long steps) const { return static_cast<double>(steps) * grid_.step_s; }
 
-  // An impact is a run of steps with contacts; its first step carries the bounce.
+  // An impact is a run of steps in which a link has contacts; its first step carries the bounce.
   void step_with_wall(long steps_done) {
     scene_.collide();
-    const bool first_touch = scene_.contacts() > 0 && !touching_;
     contacts_ = scene_.contacts();
-    touching_ = contacts_ > 0;
-    if (first_touch) {
-      impacts_.push_back({time_of(steps_done), angle(), rate(), 0, scene_.depth()});
+    const std::size_t impacts_before = impacts_.size();
+    for (std::size_t link = 0; link < touching_.size(); ++link) {
+      const bool touches = contacts_ > 0 && (touching_.size() == 1 || depth_of_ball(link) >= 0);
+      if (touches && !touching_[link]) {
+        begin_impact(time_of(steps_done), link, touching_.size() == 1 ? scene_.depth() : depth_of_ball(link));
+      }
+      touching_[link] = touches;
     }
     step_(scene_.world(), static_cast<dReal>(grid_.step_s));
     scene_.clear_contacts();
-    if (first_touch) impacts_.back().qd_after = rate();
+    for (std::size_t i = impacts_before; i < impacts_.size(); ++i) {
+      impacts_[i].qd_after = speed(static_cast<std::size_t>(impacts_[i].link.value_or(1) - 1));
+    }
+  }
+
+  void begin_impact(double t, std::size_t link, double depth) {
+    impacts_.push_back({t, angle(), speed(link), 0, depth});
+    if (touching_.size() > 1) impacts_.back().link = static_cast<int>(link) + 1;
+  }
+
+  /// What an impact records: the rate of a single link, or the velocity of one of two balls away from the wall.
+  double speed(std::size_t link) const {
+    return touching_.size() == 1 ? rate() : static_cast<double>(scene_.bodies()[link].velocity[0]);
+  }
+
+  double depth_of_ball(std::size_t link) const {
+    return scenario_.wall->face_m + scenario_.links[link].width_m / 2 -
+           static_cast<double>(scene_.bodies()[link].position[0]);
+  }
+
+  std::size_t nearest_the_wall() const {
+    std::size_t nearest = 0;
+    for (std::size_t link = 1; link < touching_.size(); ++link) {
+      if (depth_of_ball(link) > depth_of_ball(nearest)) nearest = link;
+    }
+    return nearest;
   }
 
   // Positions follow velocities, so these are enough. The squares must stay finite as well: energies hold them.
@@ -173,8 +202,9 @@ class PendulumSimulation final : public Simulation {
   std::vector<Impact> impacts_;
   std::unique_ptr<WorldStepper> stepper_;
   long stepper_steps_ = 0;
-  int contacts_ = 0;  // in the last step
-  bool touching_ = false;
+  int contacts_ = 0;            // in the last step
+  std::vector<char> touching_;  // by link, in the last step
+  std::size_t touched_ = 0;     // the link of the last impact that a stepper located
 };
 
 template <class Step>

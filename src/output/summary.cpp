@@ -24,16 +24,20 @@ Json json_of(const std::vector<double>& numbers) {
 }
 
 Json json_of(const Link& link) {
-  return {{"mass", link.mass_kg}, {"length", link.length_m}, {"width", link.width_m}, {"depth", link.depth_m}};
+  Json json = {{"mass", link.mass_kg}, {"length", link.length_m}, {"width", link.width_m}, {"depth", link.depth_m}};
+  if (link.shape == Shape::ball) json["shape"] = "ball";
+  return json;
 }
 
 Json json_of(const Impact& impact) {
-  return {{"t", json_number(impact.t)},
-          {"q1", json_number(impact.q1)},
-          {"qd_before", json_number(impact.qd_before)},
-          {"qd_after", json_number(impact.qd_after)},
-          {"restitution", json_of(restitution(impact))},
-          {"depth", json_number(impact.depth)}};
+  Json json = {{"t", json_number(impact.t)},
+               {"q1", json_number(impact.q1)},
+               {"qd_before", json_number(impact.qd_before)},
+               {"qd_after", json_number(impact.qd_after)},
+               {"restitution", json_of(restitution(impact))},
+               {"depth", json_number(impact.depth)}};
+  if (impact.link) json["link"] = *impact.link;
+  return json;
 }
 
 Json ode_settings(const Scenario& scenario) {
@@ -58,6 +62,7 @@ Json settings(const RunSummary& run) {
                {"qd0", json_of(scenario.qd0)}};
   if (run.rtol) json["rtol"] = *run.rtol;
   if (run.atol) json["atol"] = *run.atol;
+  if (scenario.n) json["n"] = *scenario.n;
   json["links"] = Json::array();
   for (const Link& link : scenario.links) json["links"].push_back(json_of(link));
   if (scenario.wall) json["wall"] = {{"face", scenario.wall->face_m}, {"restitution", scenario.wall->restitution}};

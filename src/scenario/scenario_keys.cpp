@@ -16,6 +16,7 @@ std::vector<std::string> problem_names(const Names&) {
   for (const Problem& problem : problems) names.emplace_back(problem.name);
   return names;
 }
+std::vector<std::string> shape_names(const Names&) { return {"box", "ball"}; }
 std::vector<std::string> start_names(const Names&) { return {"as-given", "half-step"}; }
 std::vector<std::string> method_names(const Names& names) { return names.methods; }
 std::vector<std::string> metric_names(const Names& names) { return names.metrics; }
@@ -51,9 +52,11 @@ constexpr KeyRow rows[] = {
       [](S& s, const V& v) { s.sample_s = v.number; }},
   {"", "gravity",  number,  "m/s²",  0, 1e4,     false, nullptr, "9.81", "downwards",
       [](S& s, const V& v) { s.gravity = v.number; }},
-  {"", "q0",       numbers, "rad",   -1e3, 1e3,  false, nullptr, "", "angles at t = 0: q1 from the horizontal, the others relative to the link before",
+  {"", "n",        whole,   "",      1, 1024,    false, nullptr, "as many as [[links]]", "links of a chain; one table [[links]] then stands for all of them",
+      [](S& s, const V& v) { s.n = static_cast<int>(v.number); }},
+  {"", "q0",       numbers, "rad",   -1e3, 1e3,  false, nullptr, "", "angles at t = 0: q1 from the horizontal, the others relative to the link before; of a chain the first few, the rest are 0",
       [](S& s, const V& v) { s.q0 = v.numbers; }},
-  {"", "qd0",      numbers, "rad/s", -1e3, 1e3,  false, nullptr, "", "rates at t = 0",
+  {"", "qd0",      numbers, "rad/s", -1e3, 1e3,  false, nullptr, "", "rates at t = 0, likewise",
       [](S& s, const V& v) { s.qd0 = v.numbers; }},
   {"", "rtol",     number,  "",      1e-15, 0.1, false, nullptr, "the method's own", "relative tolerance of adaptive methods",
       [](S& s, const V& v) { s.rtol = v.number; }},
@@ -62,16 +65,18 @@ constexpr KeyRow rows[] = {
   {"", "methods",  words,   "",      0, 0,       false, method_names, "none", "what runs without --method",
       [](S& s, const V& v) { s.methods = v.words; }},
 
-  {"links", "mass",   number, "kg", 1e-6, 1e6, false, nullptr, "", "of a uniform box",
+  {"links", "mass",   number, "kg", 1e-6, 1e6, false, nullptr, "", "of the whole link",
       [](S& s, const V& v) { s.links.back().mass_kg = v.number; }},
   {"links", "length", number, "m",  1e-4, 1e3, false, nullptr, "", "from hinge to hinge",
       [](S& s, const V& v) { s.links.back().length_m = v.number; }},
   {"links", "width",  number, "m",  1e-4, 1e3, false, nullptr, "", "across the link, in the plane of swing",
       [](S& s, const V& v) { s.links.back().width_m = v.number; }},
-  {"links", "depth",  number, "m",  1e-4, 1e3, false, nullptr, "", "along the hinge",
+  {"links", "depth",  number, "m",  1e-4, 1e3, false, nullptr, "the width of a ball", "along the hinge",
       [](S& s, const V& v) { s.links.back().depth_m = v.number; }},
+  {"links", "shape",  word,   "",   0, 0,      false, shape_names, "box", "a uniform box, or a ball of diameter width about the far end of a massless rod",
+      [](S& s, const V& v) { s.links.back().shape = v.word == "ball" ? Shape::ball : Shape::box; }},
 
-  {"wall", "face",        number, "m", -1e4, 1e4, false, nullptr, "", "x of the wall's face; the hinge is at x = 1",
+  {"wall", "face",        number, "m", -1e4, 1e4, false, nullptr, "", "x of the wall's face",
       [](S& s, const V& v) { s.wall->face_m = v.number; }},
   {"wall", "restitution", number, "",  0, 1,      false, nullptr, "1", "speed after an impact over speed before",
       [](S& s, const V& v) { s.wall->restitution = v.number; }},
