@@ -79,16 +79,58 @@ void Brush::wire(Layer& layer, const LinkPose& box, const BoxSize& half, const C
   }
 }
 
+namespace {
+
+/// Unit vectors evenly spread around an axis; the first from the world axis that it lies along least.
+class Spokes {
+ public:
+  explicit Spokes(const Vec3& axis)
+      : u_(unit(cross(axis, std::fabs(axis[0]) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}))), v_(cross(axis, u_)) {}
+  Vec3 operator()(int k) const {
+    const double angle = 2 * std::numbers::pi * k / sides;
+    return std::cos(angle) * u_ + std::sin(angle) * v_;
+  }
+
+ private:
+  Vec3 u_, v_;
+};
+
+}  // namespace
+
+void Brush::ball(Layer& layer, const Vec3& centre, const Vec3& axis, double radius, const Colour& colour,
+                 double edge_px) const {
+  constexpr int rings = sides / 2;
+  const Spokes spoke(axis);
+  const auto normal = [&](int ring, int k) {
+    const double height = std::numbers::pi * ring / rings;
+    return std::cos(height) * axis + std::sin(height) * spoke(k);
+  };
+  for (int ring = 0; ring < rings; ++ring) {
+    for (int k = 0; k < sides; ++k) {
+      const std::array normals{normal(ring, k), normal(ring, k + 1), normal(ring + 1, k + 1), normal(ring + 1, k)};
+      std::array<Vec3, 4> corners;
+      std::array<Colour, 4> colours;
+      for (std::size_t i = 0; i < 4; ++i) {
+        corners[i] = centre + radius * normals[i];
+        colours[i] = lit(colour, corners[i], normals[i]);
+      }
+      add_quad(layer, corners, colours);
+    }
+  }
+  if (edge_px > 0) circle(layer, centre, unit(camera_.eye() - centre), radius, darker(colour, edge_shade), edge_px);
+}
+
+void Brush::circle(Layer& layer, const Vec3& centre, const Vec3& axis, double radius, const Colour& colour,
+                   double edge_px) const {
+  const Spokes spoke(axis);
+  for (int k = 0; k < sides; ++k) {
+    line(layer, centre + radius * spoke(k), centre + radius * spoke(k + 1), edge_px, colour, colour);
+  }
+}
+
 void Brush::cylinder(Layer& layer, const Vec3& centre, const Vec3& axis, double radius, double half_length,
                      const Colour& colour, double edge_px) const {
-  // Two directions at right angles to the axis, the first from the world axis the cylinder lies along least.
-  const Vec3 least = std::fabs(axis[0]) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
-  const Vec3 u = unit(cross(axis, least));
-  const Vec3 v = cross(axis, u);
-  const auto spoke = [&](int k) {
-    const double angle = 2 * std::numbers::pi * k / sides;
-    return std::cos(angle) * u + std::sin(angle) * v;
-  };
+  const Spokes spoke(axis);
   const Colour rim = darker(colour, edge_shade);
   for (const double end : {-1.0, 1.0}) {
     const Vec3 middle = centre + end * half_length * axis;

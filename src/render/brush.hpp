@@ -40,6 +40,12 @@ class Brush {
   /// The twelve edges alone, in the given colour.
   void wire(Layer& layer, const LinkPose& box, const BoxSize& half, const Colour& colour, double edge_px) const;
 
+  /// A ball, and its outline seen along `axis`.
+  void ball(Layer& layer, const Vec3& centre, const Vec3& axis, double radius, const Colour& colour,
+            double edge_px) const;
+  void circle(Layer& layer, const Vec3& centre, const Vec3& axis, double radius, const Colour& colour,
+              double edge_px) const;
+
   /// A closed cylinder about `axis`, a unit vector, with dark rims.
   void cylinder(Layer& layer, const Vec3& centre, const Vec3& axis, double radius, double half_length,
                 const Colour& colour, double edge_px) const;

@@ -131,8 +131,18 @@ bool Stage::inside(const Camera& camera, const Pose& pose) const {
 // Links next to each other are drawn a little less deep in turn: faces in the same plane would fight for pixels.
 Stage::Block Stage::block(const Pose& pose, std::size_t link) const {
   const Link& size = links_[link];
+  if (size.shape == Shape::ball) return {pose[link], {size.width_m / 2, size.width_m / 2, size.width_m / 2}};
   const double depth = size.depth_m * (link % 2 == 0 ? 1 : 0.97);
   return {pose[link], {size.length_m / 2, size.width_m / 2, depth / 2}};
+}
+
+// What holds a ball, from its hinge to its centre: thin, but never too thin to see.
+Stage::Block Stage::rod(const Pose& pose, std::size_t link) const {
+  LinkPose middle = pose[link];
+  const double half = links_[link].length_m / 2;
+  middle.centre_m = middle.centre_m - half * middle.along;
+  const double thin = std::max(0.1 * links_[link].width_m, 0.002 * reach_m_);
+  return {middle, {half, thin, thin}};
 }
 
 void Stage::add_ground(std::vector<Layer>& layers, const Brush& brush, const Camera& camera) const {
@@ -199,8 +209,10 @@ void Stage::add_hinges(Layer& layer, const Brush& brush, const Pose& pose, doubl
     if (!drawable(pose[i])) continue;
     const double thinnest = i == 0 ? links_[0].width_m : std::min(links_[i].width_m, links_[i - 1].width_m);
     const double deepest = i == 0 ? links_[0].depth_m : std::max(links_[i].depth_m, links_[i - 1].depth_m);
-    const double radius = std::max(0.32 * thinnest, 0.004 * reach_m_);
-    const Vec3 near = pose[i].centre_m - (links_[i].length_m / 2) * pose[i].along;
+    // Never too small to see, nor so large that the hinges of a long chain hide its links.
+    const double radius = std::max(0.32 * thinnest, std::min(0.004 * reach_m_, 0.1 * links_[i].length_m)) /
+                          (links_[i].shape == Shape::ball ? 2 : 1);
+    const Vec3 near = pose[i].centre_m - links_[i].centre_m() * pose[i].along;
     const Vec3 at = i == 0 ? frame_.hinge_m : near;
     // The first hinge holds on to the world; the others stand out so far that no edge is lifted over them.
     const double out = i == 0 ? 1.6 * radius : radius;
@@ -213,7 +225,9 @@ std::vector<Layer> Stage::layers(const Camera& camera, const Pose& pose, const P
   const double edge_px = std::max(0.9, camera.height() / 480.0);
   std::vector<Block> blocks;
   for (std::size_t i = 0; i < pose.size(); ++i) {
-    if (drawable(pose[i])) blocks.push_back(block(pose, i));
+    if (!drawable(pose[i])) continue;
+    blocks.push_back(block(pose, i));
+    if (links_[i].shape == Shape::ball) blocks.push_back(rod(pose, i));
   }
 
   std::vector<Layer> layers;
@@ -242,7 +256,14 @@ std::vector<Layer> Stage::layers(const Camera& camera, const Pose& pose, const P
   for (std::size_t i = 0; i < pose.size(); ++i) {
     if (!drawable(pose[i])) continue;
     const Block link = block(pose, i);
-    brush.box(links, link.pose, link.half, palette[i % palette.size()], edge_px);
+    const Colour& colour = palette[i % palette.size()];
+    if (links_[i].shape == Shape::ball) {
+      const Block held_by = rod(pose, i);
+      brush.box(links, held_by.pose, held_by.half, colour, 0);
+      brush.ball(links, link.pose.centre_m, link.pose.hinge, link.half.hinge, colour, edge_px);
+    } else {
+      brush.box(links, link.pose, link.half, colour, edge_px);
+    }
   }
   add_hinges(links, brush, pose, edge_px);
 
@@ -252,7 +273,13 @@ std::vector<Layer> Stage::layers(const Camera& camera, const Pose& pose, const P
       for (std::size_t i = 0; i < outline->size(); ++i) {
         if (!drawable((*outline)[i])) continue;
         const Block link = block(*outline, i);
-        brush.wire(wires, link.pose, link.half, colour, px);
+        if (links_[i].shape == Shape::ball) {
+          const Block held_by = rod(*outline, i);
+          brush.wire(wires, held_by.pose, held_by.half, colour, px);
+          brush.circle(wires, link.pose.centre_m, link.pose.hinge, link.half.hinge, colour, px);
+        } else {
+          brush.wire(wires, link.pose, link.half, colour, px);
+        }
       }
     };
     add_wires(Layer::Rule::over, faded(halo_colour, 0.5), 2.4 * edge_px);

@@ -33,6 +33,7 @@ class Stage {
 
   bool drawable(const LinkPose& link) const;
   Block block(const Pose& pose, std::size_t link) const;
+  Block rod(const Pose& pose, std::size_t link) const;
   void add_ground(std::vector<Layer>& layers, const Brush& brush, const Camera& camera) const;
   void add_shadows(std::vector<Layer>& layers, const std::vector<Block>& casters, const HalfSpace& ground,
                    const std::vector<HalfSpace>& within) const;
