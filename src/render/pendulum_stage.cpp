@@ -75,8 +75,18 @@ bool PendulumStage::inside(const Camera& camera, const Pose& pose) const {
 // Links next to each other are drawn a little less deep in turn: faces in the same plane would fight for pixels.
 PendulumStage::Block PendulumStage::block(const Pose& pose, std::size_t link) const {
   const Link& size = links_[link];
+  if (size.shape == Shape::sphere) return {pose[link], {size.width_m / 2, size.width_m / 2, size.width_m / 2}};
   const double depth = size.depth_m * (link % 2 == 0 ? 1 : 0.97);
   return {pose[link], {size.length_m / 2, size.width_m / 2, depth / 2}};
+}
+
+// What holds a ball, from its hinge to its centre: thin, but never too thin to see.
+PendulumStage::Block PendulumStage::rod(const Pose& pose, std::size_t link) const {
+  LinkPose middle = pose[link];
+  const double half = links_[link].length_m / 2;
+  middle.centre_m = middle.centre_m - half * middle.along;
+  const double thin = std::max(0.1 * links_[link].width_m, 0.002 * reach_m_);
+  return {middle, {half, thin, thin}};
 }
 
 void PendulumStage::add_hinges(Layer& layer, const Brush& brush, const Pose& pose, double edge_px) const {
@@ -84,8 +94,10 @@ void PendulumStage::add_hinges(Layer& layer, const Brush& brush, const Pose& pos
     if (!drawable(pose[i])) continue;
     const double thinnest = i == 0 ? links_[0].width_m : std::min(links_[i].width_m, links_[i - 1].width_m);
     const double deepest = i == 0 ? links_[0].depth_m : std::max(links_[i].depth_m, links_[i - 1].depth_m);
-    const double radius = std::max(0.32 * thinnest, 0.004 * reach_m_);
-    const Vec3 near = pose[i].centre_m - (links_[i].length_m / 2) * pose[i].along;
+    // Never too small to see, nor so large that the hinges of a long chain hide its links.
+    const double radius = std::max(0.32 * thinnest, std::min(0.004 * reach_m_, 0.1 * links_[i].length_m)) /
+                          (links_[i].shape == Shape::sphere ? 2 : 1);
+    const Vec3 near = pose[i].centre_m - links_[i].centre_m() * pose[i].along;
     const Vec3 at = i == 0 ? frame_.hinge_m : near;
     // The first hinge holds on to the world; the others stand out so far that no edge is lifted over them.
     const double out = i == 0 ? 1.6 * radius : radius;
@@ -102,7 +114,13 @@ std::vector<Layer> PendulumStage::layers(const Camera& camera, const Pose& pose,
   for (std::size_t i = 0; i < pose.size(); ++i) {
     if (!drawable(pose[i])) continue;
     const Block link = block(pose, i);
-    add_quads(casters, link.pose, link.half);
+    if (links_[i].shape == Shape::sphere) {
+      const Block held_by = rod(pose, i);
+      add_quads(casters, held_by.pose, held_by.half);
+      add_quads(casters, link.pose.centre_m, link.half.along);
+    } else {
+      add_quads(casters, link.pose, link.half);
+    }
   }
 
   std::vector<Layer> layers;
@@ -133,7 +151,13 @@ std::vector<Layer> PendulumStage::layers(const Camera& camera, const Pose& pose,
   for (std::size_t i = 0; i < pose.size(); ++i) {
     if (!drawable(pose[i])) continue;
     const Block link = block(pose, i);
-    brush.box(links, link.pose, link.half, colour_in_turn(i), edge_px);
+    if (links_[i].shape == Shape::sphere) {
+      const Block held_by = rod(pose, i);
+      brush.box(links, held_by.pose, held_by.half, colour_in_turn(i), 0);
+      brush.sphere(links, link.pose, link.half.along, colour_in_turn(i), edge_px);
+    } else {
+      brush.box(links, link.pose, link.half, colour_in_turn(i), edge_px);
+    }
   }
   add_hinges(links, brush, pose, edge_px);
 
@@ -142,7 +166,13 @@ std::vector<Layer> PendulumStage::layers(const Camera& camera, const Pose& pose,
       for (std::size_t i = 0; i < outline->size(); ++i) {
         if (!drawable((*outline)[i])) continue;
         const Block link = block(*outline, i);
-        brush.wire(wires, link.pose, link.half, colour, px);
+        if (links_[i].shape == Shape::sphere) {
+          const Block held_by = rod(*outline, i);
+          brush.wire(wires, held_by.pose, held_by.half, colour, px);
+          brush.circles(wires, link.pose, link.half.along, colour, px);
+        } else {
+          brush.wire(wires, link.pose, link.half, colour, px);
+        }
       }
     });
   }

@@ -24,6 +24,7 @@ class PendulumStage final : public Stage {
 
   bool drawable(const LinkPose& link) const;
   Block block(const Pose& pose, std::size_t link) const;
+  Block rod(const Pose& pose, std::size_t link) const;
   void add_hinges(Layer& layer, const Brush& brush, const Pose& pose, double edge_px) const;
 
   PlanarFrame frame_;

@@ -31,9 +31,9 @@ Pose from_angles(const Scenario& scenario, const Trace& trace, std::size_t row) 
   for (std::size_t i = 0; i < scenario.links.size(); ++i) {
     angle += trace.q[i][row];
     const Vec3 along = std::cos(angle) * frame.horizontal + std::sin(angle) * frame.up;
-    const Vec3 half = (scenario.links[i].length_m / 2) * along;
-    pose.push_back({near + half, along, cross(frame.axis(), along), frame.hinge_axis});
-    near = near + 2 * half;
+    const Link& link = scenario.links[i];
+    pose.push_back({near + link.centre_m() * along, along, cross(frame.axis(), along), frame.hinge_axis});
+    near = near + link.length_m * along;
   }
   return pose;
 }
