@@ -25,5 +25,10 @@ Section single_pendulum(Laboratory& laboratory, Findings& findings);
 Section coordinates(Laboratory& laboratory, Findings& findings);
 Section feedback_term(Laboratory& laboratory, Findings& findings);
 Section remedy(Laboratory& laboratory, Findings& findings);
+Section chain(Laboratory& laboratory, Findings& findings);
+Section quickstep_chain(Laboratory& laboratory, Findings& findings);
+Section error_sources(Laboratory& laboratory, Findings& findings);
+Section iftomm(Laboratory& laboratory, Findings& findings);
+Section potra(Laboratory& laboratory, Findings& findings);
 
 }  // namespace odeval::experiments

@@ -85,7 +85,7 @@ PendulumStage::Block PendulumStage::rod(const Pose& pose, std::size_t link) cons
   LinkPose middle = pose[link];
   const double half = links_[link].length_m / 2;
   middle.centre_m = middle.centre_m - half * middle.along;
-  const double thin = std::max(0.1 * links_[link].width_m, 0.002 * reach_m_);
+  const double thin = std::max(0.1 * links_[link].width_m, 0.003 * reach_m_);
   return {middle, {half, thin, thin}};
 }
 

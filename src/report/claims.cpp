@@ -13,11 +13,11 @@ constexpr auto at_least = Relation::at_least;
 constexpr Condition c1_confirmed[] = {{"C1.order_off", at_most, 0.1}};
 constexpr Condition c1_refuted[]   = {{"C1.order_off", at_least, 0.3}};
 
-constexpr Condition c2_confirmed[] = {{"C2.error_ratio", at_least, 2}};
-constexpr Condition c2_refuted[]   = {{"C2.error_ratio", at_most, 1.1}};
+constexpr Condition c2_confirmed[] = {{"C2.error_ratio", at_least, 2}, {"C2.chain_error_ratio", at_least, 2}};
+constexpr Condition c2_refuted[]   = {{"C2.error_ratio", at_most, 1.1}, {"C2.chain_error_ratio", at_most, 1.1}};
 
-constexpr Condition c3_confirmed[] = {{"C3.error_ratio", at_least, 1}, {"C3.condition_ratio", at_least, 1}};
-constexpr Condition c3_refuted[]   = {{"C3.error_ratio", at_most, 0.5}, {"C3.condition_ratio", at_most, 1}};
+constexpr Condition c3_confirmed[] = {{"C3.error_ratio", at_least, 1}, {"C3.condition_ratio", at_least, 1}, {"C3.error_exponent", at_least, 0.2}};
+constexpr Condition c3_refuted[]   = {{"C3.error_ratio", at_most, 0.5}, {"C3.condition_ratio", at_most, 1}, {"C3.error_exponent", at_most, 0}};
 
 constexpr Condition c4_confirmed[] = {{"C4.long_axis_spin_single", at_least, 1e-3}, {"C4.long_axis_spin_double", at_most, 1e-9}};
 constexpr Condition c4_refuted[]   = {{"C4.long_axis_spin_single", at_most, 1e-5}};
