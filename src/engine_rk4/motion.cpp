@@ -10,6 +10,10 @@ namespace {
 // a mechanism is within 1e-12 of a singular pose for no longer than it takes to pass it.
 constexpr double redundant_pivot = 1e-12;
 
+// m, rad. A correction of this size leaves its square, which is rounding; what a step of ordinary size needs is smaller.
+constexpr double small_correction = 1e-7;
+constexpr double closed = 1e-13;  // m, rad: a hundred roundings of a body's size
+
 Eigen::Vector4d turn_rate(const Vector3d& w, const Eigen::Vector4d& q) {
   const Vector3d v = q.tail<3>();
   Eigen::Vector4d rate;
@@ -130,7 +134,7 @@ void Motion::accelerate(const State& state, const std::vector<Wrench>& forces) {
   solve_onto(acceleration_);
 }
 
-double Motion::step(const State& from, const std::vector<Wrench>& forces, double h, State& to) {
+JointErrors Motion::step(const State& from, Forces& forces, double h, State& to) {
   constexpr double at[] = {0, 0.5, 0.5, 1};
   constexpr double weight[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
   const std::size_t bodies = from.size();
@@ -153,7 +157,8 @@ double Motion::step(const State& from, const std::vector<Wrench>& forces, double
       here.twist.linear = start.twist.linear + c * acceleration_[i].linear;
       here.twist.angular = start.twist.angular + c * acceleration_[i].angular;
     }
-    accelerate(stage_, forces);
+    if (forces.renew) forces.renew(forces.start + c, stage_, forces.now);
+    accelerate(stage_, forces.now);
     if (s == 0) start_error = largest_error();
     const double part = weight[s] * h;
     for (std::size_t i = 0; i < bodies; ++i) {
@@ -166,49 +171,55 @@ double Motion::step(const State& from, const std::vector<Wrench>& forces, double
   std::swap(stage_lambda_, lambda_);
   std::swap(rows_of_stage_, rows_);
   for (BodyNow& body : to) body.pose.turn.normalize();
-  project(to, 1);
-  return start_error;
+  return {start_error, project(to).after};
 }
 
 double Motion::largest_error() const {
   double largest = 0;
-  for (const JointRows& rows : rows_) largest = std::max(largest, rows.error.cwiseAbs().maxCoeff());
+  for (const JointRows& rows : rows_) {
+    const double error = rows.error.cwiseAbs().maxCoeff();
+    if (error > largest || std::isnan(error)) largest = error;
+  }
   return largest;
 }
 
-void Motion::displace(const std::vector<Twist>& by, State& state) {
+double Motion::displace(const std::vector<Twist>& by, State& state) {
   for (std::size_t i = 0; i < state.size(); ++i) {
     state[i].pose.position += by[i].linear;
     turn_by(by[i].angular, state[i].pose.turn);
   }
-  project(state, 3);
+  return project(state).after;
 }
 
-double Motion::project(State& state, int most) {
-  double first = 0;
+JointErrors Motion::project(State& state) {
   look(state);
   factor();
-  for (int round = 0; round < most; ++round) {
-    const double largest = largest_error();
-    for (std::size_t j = 0; j < rows_.size(); ++j) lambda_[j] = rows_[j].error;
-    if (round == 0) first = largest;
-    if (round > 0 && largest < 1e-15) break;
-    for (Twist& twist : correction_) twist = {Vector3d::Zero(), Vector3d::Zero()};
-    solve_onto(correction_);
-    for (std::size_t i = 0; i < state.size(); ++i) {
-      state[i].pose.position += correction_[i].linear;
-      turn_by(correction_[i].angular, state[i].pose.turn);
-    }
-    if (round + 1 < most) {
-      look(state);
-      factor();
-    }
+  JointErrors errors{largest_error(), 0};
+  // Newton's method, which at least halves the error a round or has failed: then the caller judges what is left.
+  for (double error = errors.before;;) {
+    correct(state);
+    if (error < small_correction && matrix_.left_out() == 0) break;
+    look(state);
+    errors.after = largest_error();
+    if (errors.after <= closed || !(errors.after < error / 2)) break;
+    error = errors.after;
+    factor();
   }
   for (std::size_t i = 0; i < state.size(); ++i) correction_[i] = state[i].twist;
   for (Vector6& lambda : lambda_) lambda.setZero();
   solve_onto(correction_);
   for (std::size_t i = 0; i < state.size(); ++i) state[i].twist = correction_[i];
-  return first;
+  return errors;
+}
+
+void Motion::correct(State& state) {
+  for (std::size_t j = 0; j < rows_.size(); ++j) lambda_[j] = rows_[j].error;
+  for (Twist& twist : correction_) twist = {Vector3d::Zero(), Vector3d::Zero()};
+  solve_onto(correction_);
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    state[i].pose.position += correction_[i].linear;
+    turn_by(correction_[i].angular, state[i].pose.turn);
+  }
 }
 
 void Motion::respond(const std::vector<Wrench>& impulses, std::vector<Twist>& change) {
