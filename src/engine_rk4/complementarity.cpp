@@ -69,6 +69,7 @@ Stop move(Eigen::VectorXd& p, const Indices& rows, const Eigen::VectorXd& direct
 
 Eigen::VectorXd complementary(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
   Eigen::VectorXd p = Eigen::VectorXd::Zero(b.size());
+  if (b.size() == 0) return p;
   const double enough = rounding * b.cwiseAbs().maxCoeff();
   Active active(a);
   std::vector<char> hopeless(static_cast<std::size_t>(b.size()), 0);
