@@ -205,6 +205,7 @@ bool Flight::hold(State& state) {
     for (Contact& contact : contacts_) contact.restitution = 0;
   };
   at_rest();
+  if (!contacts_.empty()) motion_.project(state);  // the matrix of this pose, for the impulses
   std::vector<Contact> rest = contacts_;
   for (int push = 0; push < most_pushes && !contacts_.empty(); ++push) {
     if (push > 0 && deepest_of(contacts_) <= 2 * rest_depth) break;

@@ -23,7 +23,7 @@ double normal_speed(const Contact& contact, const State& state);
 /// The same, for velocities of another time.
 double normal_speed(const Contact& contact, const State& found_at, const State& velocities);
 
-/// What impulses at the contacts of one pose do: that of the motion's last step or projection.
+/// What impulses at the contacts of one pose do: that of the motion's last projection.
 class Impact {
  public:
   Impact(Motion& motion, std::span<const Contact> contacts, const State& state);

@@ -270,10 +270,6 @@ void constrain(const Joint& joint, const State& state, std::span<const Matrix3d>
   const Vector3d& v_a = a.twist.linear;
   const Vector3d& w_a = a.twist.angular;
 
-  rows.of_a.setZero();
-  rows.of_b.setZero();
-  rows.error.setZero();
-  rows.bias.setZero();
   Eigen::Index k = 0;
   const auto cross_matrix = [](const Vector3d& v) {
     Matrix3d m;

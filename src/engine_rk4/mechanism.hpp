@@ -98,7 +98,8 @@ Mechanism read_mechanism(dWorldID world, dSpaceID space, std::span<dxBody* const
 /// "the hinge between body 0 and body 1"
 std::string name(const Joint& joint);
 
-/// Fills `rows` for a joint at a state; `turns` are the rotation matrices of the state's bodies.
+/// Fills `rows` for a joint at a state; `turns` are the rotation matrices of the state's bodies. What is zero at every
+/// state is not written and must be zero before.
 void constrain(const Joint& joint, const State& state, std::span<const Matrix3d> turns, JointRows& rows);
 
 }  // namespace odeval::engine_rk4

@@ -36,10 +36,16 @@ void turn_by(const Vector3d& angle, Eigen::Vector4d& q) {
   q.normalize();
 }
 
+std::vector<Eigen::Index> rows_of(const std::vector<Joint>& joints) {
+  std::vector<Eigen::Index> rows;
+  for (const Joint& joint : joints) rows.push_back(joint.rows());
+  return rows;
+}
+
 }  // namespace
 
 Motion::Motion(Mechanism mechanism)
-    : mechanism_(std::move(mechanism)), matrix_(mechanism_.joints.size(), mechanism_.neighbours) {
+    : mechanism_(std::move(mechanism)), matrix_(rows_of(mechanism_.joints), mechanism_.neighbours) {
   const std::size_t bodies = mechanism_.bodies.size();
   const std::size_t joints = mechanism_.joints.size();
   turns_.resize(bodies);
@@ -48,8 +54,9 @@ Motion::Motion(Mechanism mechanism)
   correction_.resize(bodies);
   stage_.resize(bodies);
   sum_.resize(bodies);
-  rows_.resize(joints);
-  rows_of_stage_.resize(joints);
+  const JointRows none{Matrix6::Zero(), Matrix6::Zero(), Vector6::Zero(), Vector6::Zero()};
+  rows_.assign(joints, none);
+  rows_of_stage_.assign(joints, none);
   weighted_.resize(joints);
   lambda_.resize(joints);
   stage_lambda_.resize(joints);
@@ -63,36 +70,46 @@ void Motion::look(const State& state) {
   for (std::size_t j = 0; j < rows_.size(); ++j) constrain(mechanism_.joints[j], state, turns_, rows_[j]);
 }
 
+/// The columns of a joint at a body, for A: (J M^-1) J'. The linear part of a joint with a point is plus or minus the
+/// identity in the point's three rows, and the rows of squares have none.
+void Motion::add_product(std::size_t i, std::size_t j, std::size_t body, Matrix6& block) const {
+  if (body == world_body) return;
+  const Joint& one = mechanism_.joints[i];
+  const Joint& other = mechanism_.joints[j];
+  const JointRows& rows = rows_[j];
+  const bool first = body == other.a;
+  if (!first && body != other.b) return;
+  const Matrix6& weighted = weighted_[i][body == one.a ? 0 : 1];
+  const Matrix6& row = first ? rows.of_a : rows.of_b;
+  block.noalias() += weighted.rightCols<3>() * row.rightCols<3>().transpose();
+  if (one.slides.empty() && other.slides.empty()) {
+    const bool same_side = (body == one.a) == first;
+    block.diagonal().head<3>().array() += (same_side ? 1 : -1) * mechanism_.bodies[body].inverse_mass;
+  } else {
+    block.noalias() += weighted.leftCols<3>() * row.leftCols<3>().transpose();
+  }
+}
+
 void Motion::factor() {
   matrix_.clear();
   const auto weigh = [this](const Matrix6& row, std::size_t body, Matrix6& weighted) {
+    if (body == world_body) return;
     weighted.leftCols<3>() = mechanism_.bodies[body].inverse_mass * row.leftCols<3>();
     weighted.rightCols<3>().noalias() = row.rightCols<3>() * inverse_inertias_[body];
   };
   for (std::size_t j = 0; j < rows_.size(); ++j) {
     const Joint& joint = mechanism_.joints[j];
-    Matrix6& diagonal = matrix_.diagonal(j);
     weigh(rows_[j].of_a, joint.a, weighted_[j][0]);
-    diagonal.noalias() = weighted_[j][0] * rows_[j].of_a.transpose();
-    if (joint.b != world_body) {
-      weigh(rows_[j].of_b, joint.b, weighted_[j][1]);
-      diagonal.noalias() += weighted_[j][1] * rows_[j].of_b.transpose();
-    }
-    for (Eigen::Index k = joint.rows(); k < 6; ++k) diagonal(k, k) = 1;
+    weigh(rows_[j].of_b, joint.b, weighted_[j][1]);
+    Matrix6& diagonal = matrix_.diagonal(j);
+    add_product(j, j, joint.a, diagonal);
+    add_product(j, j, joint.b, diagonal);
   }
   for (std::size_t p = 0; p < mechanism_.neighbours.size(); ++p) {
     auto [i, j] = mechanism_.neighbours[p];
     if (!matrix_.first_has_rows(p)) std::swap(i, j);
-    const Joint& one = mechanism_.joints[i];
-    const Joint& other = mechanism_.joints[j];
-    Matrix6& block = matrix_.pair(p);
-    const auto add = [&](std::size_t body, const Matrix6& weighted) {
-      if (body == world_body) return;
-      if (body == other.a) block.noalias() += weighted * rows_[j].of_a.transpose();
-      if (body == other.b) block.noalias() += weighted * rows_[j].of_b.transpose();
-    };
-    add(one.a, weighted_[i][0]);
-    add(one.b, weighted_[i][1]);
+    add_product(i, j, mechanism_.joints[i].a, matrix_.pair(p));
+    add_product(i, j, mechanism_.joints[i].b, matrix_.pair(p));
   }
   matrix_.factor(redundant_pivot);
 }
@@ -171,7 +188,9 @@ JointErrors Motion::step(const State& from, Forces& forces, double h, State& to)
   std::swap(stage_lambda_, lambda_);
   std::swap(rows_of_stage_, rows_);
   for (BodyNow& body : to) body.pose.turn.normalize();
-  return {start_error, project(to).after};
+  look(to);
+  if (!(largest_error() < small_correction)) factor();  // or the last stage's matrix, near enough, will do
+  return {start_error, finish(to).after};
 }
 
 double Motion::largest_error() const {
@@ -194,8 +213,13 @@ double Motion::displace(const std::vector<Twist>& by, State& state) {
 JointErrors Motion::project(State& state) {
   look(state);
   factor();
+  return finish(state);
+}
+
+/// Newton's method on the rows at hand, with the matrix at hand or, where that is not enough, newer ones.
+JointErrors Motion::finish(State& state) {
   JointErrors errors{largest_error(), 0};
-  // Newton's method, which at least halves the error a round or has failed: then the caller judges what is left.
+  // It at least halves the error a round or has failed: then the caller judges what is left.
   for (double error = errors.before;;) {
     correct(state);
     if (error < small_correction && matrix_.left_out() == 0) break;

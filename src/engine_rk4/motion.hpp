@@ -53,7 +53,7 @@ class Motion {
   JointErrors project(State& state);
 
   /// The change of all velocities that impulses (N s, N m s) on bodies make, joints kept, at the pose of the last
-  /// `project` or `step`.
+  /// `project` or `displace`.
   void respond(const std::vector<Wrench>& impulses, std::vector<Twist>& change);
 
   /// Moves poses by displacements (m, rad), then projects. Returns the joint error that could not be mended.
@@ -72,7 +72,9 @@ class Motion {
   void look(const State& state);  // rotation matrices, inertias, rows
   double largest_error() const;   // of the rows, m or rad
   void factor();                  // the matrix of the rows
+  void add_product(std::size_t i, std::size_t j, std::size_t body, Matrix6& block) const;
   void accelerate(const State& state, const std::vector<Wrench>& forces);
+  JointErrors finish(State& state);
   void correct(State& state);     // poses, once, by the errors of the rows
   void solve_onto(std::vector<Twist>& twists);  // twists -= M^-1 J' A^-1 (J twists + right-hand side in lambda_)
 
