@@ -219,6 +219,8 @@ JointErrors Motion::project(State& state) {
 /// Newton's method on the rows at hand, with the matrix at hand or, where that is not enough, newer ones.
 JointErrors Motion::finish(State& state) {
   JointErrors errors{largest_error(), 0};
+  const bool small = errors.before < small_correction;
+  if (small) project_velocities(state);
   // It at least halves the error a round or has failed: then the caller judges what is left.
   for (double error = errors.before;;) {
     correct(state);
@@ -229,11 +231,15 @@ JointErrors Motion::finish(State& state) {
     error = errors.after;
     factor();
   }
+  if (!small) project_velocities(state);
+  return errors;
+}
+
+void Motion::project_velocities(State& state) {
   for (std::size_t i = 0; i < state.size(); ++i) correction_[i] = state[i].twist;
   for (Vector6& lambda : lambda_) lambda.setZero();
   solve_onto(correction_);
   for (std::size_t i = 0; i < state.size(); ++i) state[i].twist = correction_[i];
-  return errors;
 }
 
 void Motion::correct(State& state) {

@@ -75,6 +75,7 @@ class Motion {
   void add_product(std::size_t i, std::size_t j, std::size_t body, Matrix6& block) const;
   void accelerate(const State& state, const std::vector<Wrench>& forces);
   JointErrors finish(State& state);
+  void project_velocities(State& state);
   void correct(State& state);     // poses, once, by the errors of the rows
   void solve_onto(std::vector<Twist>& twists);  // twists -= M^-1 J' A^-1 (J twists + right-hand side in lambda_)
 
