@@ -54,7 +54,8 @@ class AccurateStep::World {
   }
 
   void step(double h) {
-    if (!(h > 0) || !std::isfinite(h)) refuse("the step must be a positive number of seconds, not " + std::to_string(h));
+    if (!(h > 0) || !std::isfinite(h))
+      refuse("the step must be a positive number of seconds, not " + std::to_string(h));
     if (watch_.changed(space_, mechanism())) reread();
     read_state(mechanism(), state_);
     read_forces(world_, mechanism(), forces_.now);

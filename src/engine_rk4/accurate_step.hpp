@@ -27,9 +27,9 @@ struct dxWorld;  // dWorldID
 namespace odeval {
 
 /// The world holds what this step can not do, or a state it can not start from or come to. The message says what would
-/// be right. It numbers bodies: AccurateStepOptions::bodies in their order, then those of the space's geoms in the order
-/// the geoms were made or last moved, then what joints lead to; a body keeps its number. The world is as it was before
-/// the call, to the last bit.
+/// be right. It numbers bodies: AccurateStepOptions::bodies in their order, then those of the space's geoms in the
+/// order the geoms were made or last moved, then what joints lead to; a body keeps its number. The world is as it was
+/// before the call, to the last bit.
 class AccurateStepError : public std::runtime_error {
  public:
   explicit AccurateStepError(const std::string& what, dxBody* of_body = nullptr, dxJoint* of_joint = nullptr)
@@ -52,21 +52,21 @@ struct Touch {
   std::size_t contacts;
 };
 
-/// Its functions are called during a step. They may throw: the step then puts the world back and lets it pass. They must
-/// not change what they are not asked for.
+/// Its functions are called during a step. They may throw: the step then puts the world back and lets it pass. They
+/// must not change what they are not asked for.
 struct AccurateStepOptions {
   /// Asked for each pair of geoms whose bodies no joint connects; nothing: they pass through each other. Without the
   /// function nothing touches anything.
   std::function<std::optional<Bounce>(dxGeom*, dxGeom*)> contact;
-  /// Forces that change within a step: springs, drag, controllers. Called at each stage (four a step, more where an impact
-  /// is looked for) with the seconds since the step began, while ODE's bodies show poses and velocities of that moment;
-  /// adds to the bodies' forces and torques. What was added before the step acts besides.
+  /// Forces that change within a step: springs, drag, controllers. Called at each stage (four a step, more where an
+  /// impact is looked for) with the seconds since the step began, while ODE's bodies show poses and velocities of that
+  /// moment; adds to the bodies' forces and torques. What was added before the step acts besides.
   std::function<void(double t)> forces;
   /// Called at each impact, while ODE's bodies show poses and velocities just before it, and just after it.
   std::function<void(const Touch&)> before_impact;
   std::function<void(const Touch&)> after_impact;
-  /// Bodies that neither a geom of the space nor a joint leads to, for ODE has no list of a world's bodies; others may be
-  /// named too. They must live as long as the step.
+  /// Bodies that neither a geom of the space nor a joint leads to, for ODE has no list of a world's bodies; others may
+  /// be named too. They must live as long as the step.
   std::vector<dxBody*> bodies;
   /// m and rad, > 0. A larger error of a joint at the start of a step, and a larger overlap that can not be pushed out,
   /// are an AccurateStepError; smaller errors are mended by projection.

@@ -36,8 +36,7 @@ std::vector<std::size_t> minimum_degree(Neighbours& graph, std::vector<std::vect
 
 }  // namespace
 
-BlockLdl::BlockLdl(const std::vector<Eigen::Index>& rows,
-                   const std::vector<std::pair<std::size_t, std::size_t>>& pairs)
+BlockLdl::BlockLdl(const std::vector<Eigen::Index>& rows, const std::vector<std::pair<std::size_t, std::size_t>>& pairs)
     : place_(rows.size()),
       columns_(rows.size()),
       updates_(rows.size()),

@@ -16,8 +16,8 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 class BlockLdl {
  public:
-  /// Plans for blocks of the given numbers of rows (at most 6; the others are zero) with non-zero blocks on the diagonal
-  /// and at the given pairs. Each pair once.
+  /// Plans for blocks of the given numbers of rows (at most 6; the others are zero) with non-zero blocks on the
+  /// diagonal and at the given pairs. Each pair once.
   BlockLdl(const std::vector<Eigen::Index>& rows, const std::vector<std::pair<std::size_t, std::size_t>>& pairs);
 
   /// The matrix to fill in before `factor`, lower triangle: the diagonal blocks (their lower triangles), and for pair p

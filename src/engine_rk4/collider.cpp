@@ -9,8 +9,8 @@
 namespace odeval::engine_rk4 {
 namespace {
 
-/// How far from the origin geoms may be, m: hash spaces count cells of at least 2^level m in an int, and abort where that
-/// overflows (dxHashSpace::collide).
+/// How far from the origin geoms may be, m: hash spaces count cells of at least 2^level m in an int, and abort where
+/// that overflows (dxHashSpace::collide).
 double reach(dSpaceID space) {
   double smallest = INFINITY;
   if (dSpaceGetClass(space) == dHashSpaceClass) {

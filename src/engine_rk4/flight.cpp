@@ -9,7 +9,8 @@
 namespace odeval::engine_rk4 {
 namespace {
 
-// An impact is located to this overlap, m: a thousand roundings of positions of a metre, and passed in 1e-12 s at 1 m/s.
+// An impact is located to this overlap, m: a thousand roundings of positions of a metre, and passed in 1e-12 s at 1
+// m/s.
 constexpr double touch_depth = 1e-12;
 // What rests lies this deep, m: a thousand times deeper than contacts are rounded, so that it is found in every step.
 constexpr double rest_depth = 1e-9;
@@ -195,8 +196,8 @@ void Flight::tell(const std::function<void(const Touch&)>& observer, const Touch
   observer(touch);
 }
 
-/// At the end of a step, with its contacts at hand: what rests stops and is pushed out of what it rests on. Returns true
-/// if something touches that does not rest.
+/// At the end of a step, with its contacts at hand: what rests stops and is pushed out of what it rests on. Returns
+/// true if something touches that does not rest.
 bool Flight::hold(State& state) {
   bool touched = false;
   const auto at_rest = [&] {

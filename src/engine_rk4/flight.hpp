@@ -13,8 +13,8 @@ class Flight {
   Flight(Motion& motion, Collider& collider, const AccurateStepOptions& options)
       : motion_(motion), collider_(collider), options_(options) {}
 
-  /// Advances a state by h; `fresh`: one that may not keep its joints yet. Throws AccurateStepError where no sound state
-  /// can be reached; the state, and what is remembered, are then as before.
+  /// Advances a state by h; `fresh`: one that may not keep its joints yet. Throws AccurateStepError where no sound
+  /// state can be reached; the state, and what is remembered, are then as before.
   void advance(State& state, Forces& forces, double h, bool fresh);
 
   /// Impacts of the last step, in order.

@@ -29,7 +29,8 @@ class Impact {
   Impact(Motion& motion, std::span<const Contact> contacts, const State& state);
 
   /// Newton's law with complementarity: after it every contact has v+ >= -e v- (>= 0 if it did not approach), impulses
-  /// only push, and where one pushes its contact has exactly that speed. All bodies feel the impulses through the joints.
+  /// only push, and where one pushes its contact has exactly that speed. All bodies feel the impulses through the
+  /// joints.
   void strike(State& state) const;
 
   /// Moves the bodies apart, mass-weighted and with joints kept, until no contact is deeper than `depth`, to the first
@@ -41,8 +42,8 @@ class Impact {
 
   Motion& motion_;
   std::span<const Contact> contacts_;
-  Eigen::MatrixXd speeds_;           // of the contacts, for a unit impulse at each
-  std::vector<Vector3d> arms_;       // of each contact on its two bodies
+  Eigen::MatrixXd speeds_;      // of the contacts, for a unit impulse at each
+  std::vector<Vector3d> arms_;  // of each contact on its two bodies
   mutable std::vector<Wrench> impulses_;
   mutable std::vector<Twist> change_;
 };

@@ -82,9 +82,9 @@ Body read_body(dBodyID id, std::size_t number) {
     for (Eigen::Index j = 0; j < 3; ++j) body.inertia(i, j) = mass.I[4 * i + j];
   }
   const Eigen::LLT<Matrix3d> cholesky(body.inertia);
-  refuse_if(!(mass.mass > 0) || !std::isfinite(mass.mass) || !body.inertia.allFinite() ||
-                cholesky.info() != Eigen::Success,
-            " has no positive mass and inertia");
+  refuse_if(
+      !(mass.mass > 0) || !std::isfinite(mass.mass) || !body.inertia.allFinite() || cholesky.info() != Eigen::Success,
+      " has no positive mass and inertia");
   body.inverse_inertia = cholesky.solve(Matrix3d::Identity());
   return body;
 }

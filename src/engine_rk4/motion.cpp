@@ -10,7 +10,8 @@ namespace {
 // a mechanism is within 1e-12 of a singular pose for no longer than it takes to pass it.
 constexpr double redundant_pivot = 1e-12;
 
-// m, rad. A correction of this size leaves its square, which is rounding; what a step of ordinary size needs is smaller.
+// m, rad. A correction of this size leaves its square, which is rounding; what a step of ordinary size needs is
+// smaller.
 constexpr double small_correction = 1e-7;
 constexpr double closed = 1e-13;  // m, rad: a hundred roundings of a body's size
 

@@ -76,7 +76,7 @@ class Motion {
   void accelerate(const State& state, const std::vector<Wrench>& forces);
   JointErrors finish(State& state);
   void project_velocities(State& state);
-  void correct(State& state);     // poses, once, by the errors of the rows
+  void correct(State& state);                   // poses, once, by the errors of the rows
   void solve_onto(std::vector<Twist>& twists);  // twists -= M^-1 J' A^-1 (J twists + right-hand side in lambda_)
 
   Mechanism mechanism_;

@@ -32,8 +32,8 @@ std::uint64_t geoms(dSpaceID space) {
   return sum;
 }
 
-/// Calls `see` with numbers that say what bodies and joints are, until it returns false. What may have been destroyed is
-/// not asked: a body that was found through a joint comes after the one whose list of joints would show it.
+/// Calls `see` with numbers that say what bodies and joints are, until it returns false. What may have been destroyed
+/// is not asked: a body that was found through a joint comes after the one whose list of joints would show it.
 template <class See>
 bool look_at_bodies(const Mechanism& mechanism, See&& see) {
   for (const Body& body : mechanism.bodies) {
@@ -63,8 +63,8 @@ bool look_at_joints(const Mechanism& mechanism, See&& see) {
       return see(bits(get(id, dParamFMax + group))) && see(bits(get(id, dParamLoStop + group))) &&
              see(bits(get(id, dParamHiStop + group)));
     };
-    bool same = see(bits(static_cast<int>(type))) && see(bits(dJointIsEnabled(id))) && see(bits(dJointGetBody(id, 0))) &&
-                see(bits(dJointGetBody(id, 1)));
+    bool same = see(bits(static_cast<int>(type))) && see(bits(dJointIsEnabled(id))) &&
+                see(bits(dJointGetBody(id, 0))) && see(bits(dJointGetBody(id, 1)));
     if (type == dJointTypeHinge) same = same && limits(dJointGetHingeParam, 0);
     if (type == dJointTypeSlider) same = same && limits(dJointGetSliderParam, 0);
     if (type == dJointTypeUniversal) {
@@ -125,7 +125,8 @@ bool Watch::changed(dSpaceID space, const Mechanism& mechanism) const {
   for (std::size_t j = 0; j < places_.size(); ++j) {
     const auto now = place(mechanism.joints[j].id);
     for (std::size_t i = 0; i < now.size(); ++i) {
-      constexpr double rounding = 1e-9;  // of turning to and fro, with a wide margin: far less than one would move an anchor
+      constexpr double rounding =
+          1e-9;  // of turning to and fro, with a wide margin: far less than one would move an anchor
       if (std::fabs(now[i] - places_[j][i]) > rounding * (1 + std::fabs(now[i]))) return true;
     }
   }

@@ -229,7 +229,8 @@ void check_options() {
   for (const double speed : {-1e-3, nan, std::numeric_limits<double>::infinity()}) {
     refuse("rest_speed must be", [speed](AccurateStepOptions& o) { o.rest_speed = speed; });
   }
-  for (const int most : {0, -1}) refuse("most_impacts must be", [most](AccurateStepOptions& o) { o.most_impacts = most; });
+  for (const int most : {0, -1})
+    refuse("most_impacts must be", [most](AccurateStepOptions& o) { o.most_impacts = most; });
   refuse("is null", [](AccurateStepOptions& o) { o.bodies = {nullptr}; });
 
   for (const double restitution : {-0.1, 1.1, nan}) {
