@@ -30,13 +30,13 @@ Vec3 moved(const Vec3& from, double length, const Vec3& direction) {
 
 }  // namespace
 
-PendulumScene::PendulumScene(const Scenario& scenario) : PendulumScene() {
+PendulumScene::PendulumScene(const Scenario& scenario, int hinges) : PendulumScene() {
   use_library();
   world_ = dWorldCreate();
   space_ = dHashSpaceCreate(nullptr);
   contact_group_ = dJointGroupCreate(0);
   set_world(scenario);
-  add_links(scenario);
+  add_links(scenario, hinges);
   if (scenario.wall) {
     add_wall(scenario);
   } else {
@@ -87,7 +87,7 @@ void PendulumScene::set_world(const Scenario& scenario) {
   dWorldSetMaxAngularSpeed(world_, dInfinity);
 }
 
-void PendulumScene::add_links(const Scenario& scenario) {
+void PendulumScene::add_links(const Scenario& scenario, int hinges) {
   const PlanarFrame& frame = scenario.problem->frame;
   const Vec3 axis = frame.axis();
   Vec3 near = frame.hinge_m;
@@ -125,15 +125,17 @@ void PendulumScene::add_links(const Scenario& scenario) {
     // The first link is body 0 of its hinge, to the world; every other link is body 1, after its parent (C.2).
     // C.5 hangs its link on a further body that a fixed joint holds inside the wall, in contact with it in every step;
     // the world itself is what that body stands for.
-    const dJointID hinge = dJointCreateHinge(world_, nullptr);
-    if (parent == nullptr) {
-      dJointAttach(hinge, body, nullptr);
-    } else {
-      dJointAttach(hinge, parent, body);
+    for (int copy = 0; copy < hinges; ++copy) {
+      const dJointID hinge = dJointCreateHinge(world_, nullptr);
+      if (parent == nullptr) {
+        dJointAttach(hinge, body, nullptr);
+      } else {
+        dJointAttach(hinge, parent, body);
+      }
+      dJointSetHingeAnchor(hinge, real(near[0]), real(near[1]), real(near[2]));
+      dJointSetHingeAxis(hinge, real(frame.hinge_axis[0]), real(frame.hinge_axis[1]), real(frame.hinge_axis[2]));
+      if (copy == 0) dJointSetFeedback(hinge, &feedback_[i]);
     }
-    dJointSetHingeAnchor(hinge, real(near[0]), real(near[1]), real(near[2]));
-    dJointSetHingeAxis(hinge, real(frame.hinge_axis[0]), real(frame.hinge_axis[1]), real(frame.hinge_axis[2]));
-    dJointSetFeedback(hinge, &feedback_[i]);
 
     bodies_.push_back({dBodyGetPosition(body), dBodyGetRotation(body), dBodyGetLinearVel(body),
                        dBodyGetAngularVel(body), parent == nullptr ? feedback_[i].f1 : feedback_[i].f2});

@@ -14,13 +14,14 @@ struct BodyView {
   const dReal* rotation;  // 3 x 4, by rows
   const dReal* velocity;
   const dReal* spin;
-  const dReal* joint_force;  // of the link's joint on the link
+  const dReal* joint_force;  // of the link's joint on the link (of several in one place: the first)
 };
 
 /// Owns a world with its bodies, joints and space. Pinned in memory: ODE keeps pointers to it.
 class PendulumScene {
  public:
-  explicit PendulumScene(const Scenario& scenario);
+  /// `hinges` of one kind in the place of each: all but the first say what is said already.
+  explicit PendulumScene(const Scenario& scenario, int hinges = 1);
   ~PendulumScene();
   PendulumScene(const PendulumScene&) = delete;
   PendulumScene& operator=(const PendulumScene&) = delete;
@@ -43,7 +44,7 @@ class PendulumScene {
   PendulumScene() = default;  // so that the destructor runs when ODE refuses a scenario half-way
   static void near_callback(void* scene, dGeomID first, dGeomID second);
   void set_world(const Scenario& scenario);
-  void add_links(const Scenario& scenario);
+  void add_links(const Scenario& scenario, int hinges);
   void add_wall(const Scenario& scenario);
 
   dThreadingImplementationID threading_ = nullptr;

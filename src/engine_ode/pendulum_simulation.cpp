@@ -18,8 +18,8 @@ using StepFunction = int (*)(dWorldID, dReal);
 
 class PendulumSimulation final : public Simulation {
  public:
-  PendulumSimulation(const Scenario& scenario, const SampleGrid& grid, StepFunction step)
-      : scenario_(scenario), grid_(grid), step_(step), scene_(scenario) {
+  PendulumSimulation(const Scenario& scenario, const SampleGrid& grid, StepFunction step, int hinges = 1)
+      : scenario_(scenario), grid_(grid), step_(step), scene_(scenario, hinges) {
     impacts_.reserve(1024);
     double angle = 0;
     for (const double q : scenario.q0) angles_.push_back(angle += q);
@@ -177,9 +177,9 @@ class PendulumSimulation final : public Simulation {
   bool touching_ = false;
 };
 
-template <class Step>
-std::unique_ptr<Simulation> make(const Scenario& scenario, const SampleGrid& grid, Step step) try {
-  return std::make_unique<PendulumSimulation>(scenario, grid, step);
+template <class... Step>
+std::unique_ptr<Simulation> make(const Scenario& scenario, const SampleGrid& grid, Step... step) try {
+  return std::make_unique<PendulumSimulation>(scenario, grid, step...);
 } catch (const Fault& fault) {
   throw MachineError("scenario '" + scenario.name + "' can not be built: " + fault.what());
 }
@@ -192,6 +192,10 @@ std::unique_ptr<Simulation> make_step(const Scenario& scenario, const SampleGrid
 
 std::unique_ptr<Simulation> make_quickstep(const Scenario& scenario, const SampleGrid& grid) {
   return make<StepFunction>(scenario, grid, &dWorldQuickStep);
+}
+
+std::unique_ptr<Simulation> make_doubled(const Scenario& scenario, const SampleGrid& grid) {
+  return make<StepFunction>(scenario, grid, &dWorldStep, 2);
 }
 
 std::unique_ptr<Simulation> make_stepped(const Scenario& scenario, const SampleGrid& grid, MakeStepper make_stepper) {

@@ -24,6 +24,10 @@ Section denavit_hartenberg(Laboratory& laboratory, Findings& findings);
 Section single_pendulum(Laboratory& laboratory, Findings& findings);
 Section coordinates(Laboratory& laboratory, Findings& findings);
 Section feedback_term(Laboratory& laboratory, Findings& findings);
+Section table_5_2(Laboratory& laboratory, Findings& findings);
+Section work_precision(Laboratory& laboratory, Findings& findings);
+Section conditioning(Laboratory& laboratory, Findings& findings);
+Section orientation(Laboratory& laboratory, Findings& findings);
 Section remedy(Laboratory& laboratory, Findings& findings);
 
 }  // namespace odeval::experiments

@@ -10,6 +10,8 @@ constexpr std::array table{
     Experiment{"snapshots", "Pictures of the motions", snapshots},
     Experiment{"double-pendulum", "The double pendulum, as the 2010 report plotted it", double_pendulum},
     Experiment{"accuracy", "Who follows whom (Figure 5.13)", accuracy},
+    Experiment{"table-5-2", "What the methods cost (Table 5.2)", table_5_2},
+    Experiment{"work-precision", "What an error costs: work and precision", work_precision},
     Experiment{"energy", "Energy: ODE, ode45 and Euler", energy},
     Experiment{"energy-feedback", "Is the feedback of joint errors to blame?", energy_feedback},
     Experiment{"wall-pendulum", "A link against a wall", wall_pendulum},
@@ -23,6 +25,8 @@ constexpr std::array table{
     Experiment{"dh", "A toolbox's equations and the hand-derived ones", denavit_hartenberg},
     Experiment{"single-pendulum", "Was the double pendulum a good choice?", single_pendulum},
     Experiment{"coordinates", "Cartesian or generalized coordinates?", coordinates},
+    Experiment{"conditioning", "What CFM does for the system to be solved", conditioning},
+    Experiment{"orientation", "A quaternion or a rotation matrix?", orientation},
     Experiment{"feedback-term", "What the feedback term keeps together", feedback_term},
     Experiment{"remedy", "A fourth-order step beside ODE's collision detection", remedy},
 };

@@ -93,7 +93,7 @@ Finding measured(std::string meaning, std::string unit, double value, double unc
 
 Finding measured_ratio(std::string meaning, double a, double b, double doubt_a, double doubt_b) {
   const double ratio = a / b;
-  return measured(std::move(meaning), "", ratio, std::fabs(ratio) * (doubt_a / std::fabs(a) + doubt_b / std::fabs(b)));
+  return measured(std::move(meaning), "", ratio, (doubt_a + std::fabs(ratio) * doubt_b) / std::fabs(b));
 }
 
 Finding unavailable(std::string meaning, std::string unit, std::string why) {
