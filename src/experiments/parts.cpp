@@ -84,6 +84,17 @@ std::optional<Shade> lost_shade(Evaluator& evaluator, const Evaluation& run) {
   return std::nullopt;
 }
 
+std::optional<Shade> all_lost(Evaluator& evaluator, const std::vector<const Evaluation*>& runs) {
+  std::optional<Shade> last;
+  for (const Evaluation* run : runs) {
+    std::optional<Shade> shade = lost_shade(evaluator, *run);
+    if (!shade) return std::nullopt;
+    if (!last || shade->from > last->from) last = std::move(shade);
+  }
+  if (last) last->why = fmt::format("here all methods shown are off by more than {} rad", divergence_rad);
+  return last;
+}
+
 Finding measured(std::string meaning, std::string unit, double value, double uncertainty) {
   if (!std::isfinite(value) || !std::isfinite(uncertainty)) {
     return unavailable(std::move(meaning), std::move(unit), "a run did not stay finite");
