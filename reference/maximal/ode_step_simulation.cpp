@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -28,31 +30,49 @@ OdeStepSettings step_settings(const Scenario& scenario) {
   return settings;
 }
 
+Body body_of(const PlaneInWorld& plane, const Link& link, const LinkInPlane& at) {
+  Body body =
+      link.shape == Shape::box ? box(link.mass_kg, plane.box_sides(link)) : ball(link.mass_kg, link.width_m / 2);
+  body.position = plane.point(at.x, at.y);
+  body.rotation = plane.rotation(at.angle);
+  body.orientation = Eigen::Quaterniond(body.rotation);
+  body.velocity = plane.direction(at.vx, at.vy);
+  body.spin = at.rate * plane.axis();
+  return body;
+}
+
+/// The links as bodies, by number, with `hinges` equal hinges at each joint.
+void add_links(OdeStep& step, const PlaneInWorld& plane, const Scenario& scenario, int hinges) {
+  const Eigen::Vector3d axis = eigen(scenario.problem->frame.hinge_axis);
+  int parent = world;
+  LinkInPlane before{};
+  double beyond = 0;
+  std::size_t i = 0;
+  for (const LinkInPlane& link : links_at_start(scenario)) {
+    // The joint is the far end of the link before; the first hinge is the plane's origin.
+    const Eigen::Vector3d anchor =
+        plane.point(before.x + beyond * std::cos(before.angle), before.y + beyond * std::sin(before.angle));
+    const int number = step.add_body(body_of(plane, scenario.links[i], link));
+    for (int copy = 0; copy < hinges; ++copy) {
+      // As in ODE's scene: the first link is body 0 of its hinge, every other link is body 1, after its parent.
+      if (parent == world) {
+        step.add_hinge(number, world, anchor, axis);
+      } else {
+        step.add_hinge(parent, number, anchor, axis);
+      }
+    }
+    parent = number;
+    before = link;
+    beyond = scenario.links[i++].beyond_centre_m();
+  }
+}
+
 class OdeStepSimulation final : public Simulation {
  public:
   OdeStepSimulation(const Scenario& scenario, const SampleGrid& grid)
       : grid_(grid), plane_(scenario.problem->frame), step_(step_settings(scenario)) {
-    int parent = world;
-    LinkInPlane before{};
-    double beyond = 0;
-    for (const LinkInPlane& link : links_at_start(scenario)) {
-      const std::size_t i = angles_.size();
-      // The joint is the far end of the link before; the first hinge is the plane's origin.
-      const Eigen::Vector3d anchor =
-          plane_.point(before.x + beyond * std::cos(before.angle), before.y + beyond * std::sin(before.angle));
-      const int number = step_.add_body(body_of(scenario.links[i], link));
-      const Eigen::Vector3d axis = eigen(scenario.problem->frame.hinge_axis);
-      // As in ODE's scene: the first link is body 0 of its hinge, every other link is body 1, after its parent.
-      if (parent == world) {
-        step_.add_hinge(number, world, anchor, axis);
-      } else {
-        step_.add_hinge(parent, number, anchor, axis);
-      }
-      angles_.push_back(link.angle);
-      parent = number;
-      before = link;
-      beyond = scenario.links[i].beyond_centre_m();
-    }
+    add_links(step_, plane_, scenario, 1);
+    for (const LinkInPlane& link : links_at_start(scenario)) angles_.push_back(link.angle);
     if (scenario.wall) wall_.emplace(0, plane_.box_sides(scenario.links[0]), scenario.wall->face_m);
     impacts_.reserve(1024);
   }
@@ -81,17 +101,6 @@ class OdeStepSimulation final : public Simulation {
   }
 
  private:
-  Body body_of(const Link& link, const LinkInPlane& at) const {
-    Body body =
-        link.shape == Shape::box ? box(link.mass_kg, plane_.box_sides(link)) : ball(link.mass_kg, link.width_m / 2);
-    body.position = plane_.point(at.x, at.y);
-    body.rotation = plane_.rotation(at.angle);
-    body.orientation = Eigen::Quaterniond(body.rotation);
-    body.velocity = plane_.direction(at.vx, at.vy);
-    body.spin = at.rate * plane_.axis();
-    return body;
-  }
-
   // An impact is a run of steps with contacts; its first step carries the bounce.
   void take_step(long steps_done) {
     if (!wall_) {
@@ -169,6 +178,20 @@ class OdeStepSimulation final : public Simulation {
 
 std::unique_ptr<Simulation> make_maximal_ode_step(const Scenario& scenario, const SampleGrid& grid) {
   return std::make_unique<OdeStepSimulation>(scenario, grid);
+}
+
+SystemSpectrum system_spectrum(const Scenario& scenario, int hinges) {
+  OdeStep step(step_settings(scenario));
+  add_links(step, PlaneInWorld(scenario.problem->frame), scenario, hinges);
+  step.step(scenario.step_s);  // which leaves the system of the pose it started from
+  const Eigen::MatrixXd system = step.system_matrix();
+  const Eigen::VectorXd values =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(system, Eigen::EigenvaluesOnly).eigenvalues();
+  const double greatest = values.maxCoeff();
+  // What a symmetric solver may be off by (Golub and Van Loan, Matrix Computations, 8.1.2): rows times epsilon times
+  // the norm.
+  const double rounding = static_cast<double>(values.size()) * std::numeric_limits<double>::epsilon() * greatest;
+  return {values.minCoeff() > rounding ? values.minCoeff() : 0, greatest};
 }
 
 }  // namespace odeval::reference

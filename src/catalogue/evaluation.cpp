@@ -25,15 +25,20 @@ Trace read(const Method& method, const Scenario& scenario, const SampleGrid& gri
                                                         : cartesian_trace(scenario, grid, rows);
 }
 
-// ODE's stored velocities belong to the middle of the step before (claim O1). The half-step start gives it those: the
-// velocities of t = -h/2, to first order.
+// ODE's stored velocities belong to the middle of the step before (claim O1). The half-step start gives it those of
+// t = -h/2, to first order, as bodies in the pose of t = 0 can have them. In half a step a body's velocity changes by
+// h/2 M^-1 (weight + forces of the hinges). The hinges' part is M-orthogonal to every motion that they leave, so along
+// these only the weight counts: qdot - h/2 M(q)^-1 G(q), with the accelerations at rest. The velocity products in the
+// joint accelerations come from the hinges' own turning, which ODE does itself: it takes the velocities of the old pose
+// through the hinges of the new one. Two links that start at speed tell the difference, which is of first order.
 std::unique_ptr<Simulation> make_as_asked(const Method& method, const Scenario& scenario, const SampleGrid& grid) {
   if (method.settings != Settings::ode || scenario.ode.start != Start::half_step) {
     return method.make(scenario, grid);
   }
   if (scenario.family() == Family::bodies) return method.make(reference::half_a_step_earlier(scenario), grid);
   Scenario earlier = scenario;
-  const std::vector<double> acceleration = reference::joint_accelerations(scenario, scenario.q0, scenario.qd0);
+  const std::vector<double> at_rest(scenario.qd0.size(), 0.0);
+  const std::vector<double> acceleration = reference::joint_accelerations(scenario, scenario.q0, at_rest);
   for (std::size_t i = 0; i < earlier.qd0.size(); ++i) earlier.qd0[i] -= acceleration[i] * scenario.step_s / 2;
   return method.make(earlier, grid);
 }

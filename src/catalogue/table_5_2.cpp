@@ -1,5 +1,6 @@
 #include "catalogue/table_5_2.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -17,6 +18,28 @@ bool is_of_table_5_2(const Scenario& scenario) {
   constexpr double quarter = std::numbers::pi / 4;
   return same(scenario.q0[0], quarter) && same(scenario.q0[1], -quarter) && same(scenario.qd0[0], 0) &&
          same(scenario.qd0[1], 0);
+}
+
+std::vector<Table52Row> table_5_2_rows(std::span<const TimingRow> rows) {
+  std::vector<Table52Row> table;
+  const auto add = [&](Table52Row row, std::string_view method) {
+    row.method = method;
+    const auto timed = std::ranges::find(rows, method, &TimingRow::method);
+    if (timed != rows.end()) {
+      row.steps = timed->steps;
+      row.median_s = timed->median_s;
+      row.mad_s = timed->mad_s;
+    }
+    table.push_back(std::move(row));
+  };
+  for (const Case2010& then : table_5_2) {
+    add({then.number, std::string(then.equations), std::string(then.solver), then.steps, then.seconds, "", {}, {}, {}},
+        then.method);
+  }
+  for (const std::string_view method : beside_table_5_2) {
+    add({{}, "-", "-", {}, {}, "", {}, {}, {}}, method);
+  }
+  return table;
 }
 
 }  // namespace odeval::catalogue

@@ -1,9 +1,12 @@
 #pragma once
 // What the report's Table 5.2 holds (section 5.7.1; cases as in its Table 5.1), and who stands for each case today.
 #include <array>
+#include <span>
 #include <string_view>
+#include <vector>
 
 #include "odeval/scenario.hpp"
+#include "output/timing.hpp"
 
 namespace odeval::catalogue {
 
@@ -36,5 +39,8 @@ inline constexpr std::array beside_table_5_2{std::string_view("lagrange-cvode"),
 
 /// Whether the motion is that of the report's double pendulum (D.3) over its 10 s, whatever the settings.
 bool is_of_table_5_2(const Scenario& scenario);
+
+/// Table 5.2 beside the times of today. `rows` holds one row a method; a method without one keeps its place.
+std::vector<Table52Row> table_5_2_rows(std::span<const TimingRow> rows);
 
 }  // namespace odeval::catalogue

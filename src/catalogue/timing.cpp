@@ -42,4 +42,21 @@ void time_in_turns(std::span<TimedRun> runs, int rounds, const std::function<voi
   }
 }
 
+TimingRow timing_row(const TimedRun& timed) {
+  const Evaluator& evaluator = *timed.evaluator;
+  TimingRow row;
+  row.scenario = evaluator.scenario().name;
+  row.method = timed.method->name;
+  row.step_s = evaluator.grid().step_s;
+  row.steps = timed.steps;
+  row.simulated_s = evaluator.grid().time(evaluator.grid().rows - 1);
+  row.repeats = static_cast<int>(timed.seconds.size());
+  row.median_s = timed.median_s();
+  row.mad_s = timed.mad_s();
+  row.min_s = *std::ranges::min_element(timed.seconds);
+  row.ns_per_step = 1e9 * row.median_s / static_cast<double>(std::max(timed.steps, 1L));
+  row.realtime_factor = row.simulated_s / row.median_s;
+  return row;
+}
+
 }  // namespace odeval::catalogue

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "catalogue/evaluation.hpp"
+#include "output/timing.hpp"
 
 namespace odeval::catalogue {
 
@@ -25,5 +26,8 @@ struct TimedRun {
 /// starts and record nothing. A run so short that the clock and cold caches would show is done several times over.
 /// `begins(0)` is called before the warm-up, `begins(k)` before round k.
 void time_in_turns(std::span<TimedRun> runs, int rounds, const std::function<void(int round)>& begins = {});
+
+/// What a table says of a run that was timed.
+TimingRow timing_row(const TimedRun& timed);
 
 }  // namespace odeval::catalogue

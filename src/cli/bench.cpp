@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "catalogue/accuracy.hpp"
+#include "catalogue/equal_error.hpp"
 #include "catalogue/paths.hpp"
 #include "catalogue/table_5_2.hpp"
 #include "catalogue/timing.hpp"
@@ -53,45 +53,6 @@ void time_with_progress(std::span<catalogue::TimedRun> runs, const std::string& 
   });
 }
 
-TimingRow row_of(const catalogue::Evaluator& evaluator, const catalogue::TimedRun& timed) {
-  TimingRow row;
-  row.scenario = evaluator.scenario().name;
-  row.method = timed.method->name;
-  row.step_s = evaluator.grid().step_s;
-  row.steps = timed.steps;
-  row.simulated_s = evaluator.grid().time(evaluator.grid().rows - 1);
-  row.repeats = static_cast<int>(timed.seconds.size());
-  row.median_s = timed.median_s();
-  row.mad_s = timed.mad_s();
-  row.min_s = *std::ranges::min_element(timed.seconds);
-  row.ns_per_step = 1e9 * row.median_s / static_cast<double>(std::max(timed.steps, 1L));
-  row.realtime_factor = row.simulated_s / row.median_s;
-  return row;
-}
-
-/// Table 5.2 with the rows timed for its scenario. `rows` holds no other scenario's.
-std::vector<Table52Row> table_5_2_of(std::span<const TimingRow> rows) {
-  std::vector<Table52Row> table;
-  const auto add = [&](Table52Row row, std::string_view method) {
-    row.method = method;
-    const auto timed = std::ranges::find(rows, method, &TimingRow::method);
-    if (timed != rows.end()) {
-      row.steps = timed->steps;
-      row.median_s = timed->median_s;
-      row.mad_s = timed->mad_s;
-    }
-    table.push_back(std::move(row));
-  };
-  for (const catalogue::Case2010& then : catalogue::table_5_2) {
-    add({then.number, std::string(then.equations), std::string(then.solver), then.steps, then.seconds, "", {}, {}, {}},
-        then.method);
-  }
-  for (const std::string_view method : catalogue::beside_table_5_2) {
-    add({{}, "-", "-", {}, {}, "", {}, {}, {}}, method);
-  }
-  return table;
-}
-
 int bench_at_equal_steps(const BenchOptions& options) {
   std::vector<Plan> plans = plans_of(options);
   std::vector<TimingRow> rows;
@@ -102,9 +63,9 @@ int bench_at_equal_steps(const BenchOptions& options) {
       std::vector<catalogue::TimedRun> runs;
       for (const catalogue::Method* method : plan.methods) runs.push_back({&plan.evaluator, method, 0, 0, {}});
       time_with_progress(runs, plan.evaluator.scenario().name, options.repeats, progress);
-      for (const auto& run : runs) rows.push_back(row_of(plan.evaluator, run));
+      for (const auto& run : runs) rows.push_back(catalogue::timing_row(run));
       if (catalogue::is_of_table_5_2(plan.evaluator.scenario())) {
-        table_5_2 = table_5_2_of(std::span(rows).last(runs.size()));
+        table_5_2 = catalogue::table_5_2_rows(std::span(rows).last(runs.size()));
       }
     }
   }
@@ -127,8 +88,6 @@ int bench_at_equal_steps(const BenchOptions& options) {
   return 0;
 }
 
-constexpr long most_steps_of_a_search = 4'000'000;
-
 std::vector<EqualErrorRow> at_equal_error(const Plan& plan, const BenchOptions& options, double until_s,
                                           Progress& progress) {
   const Scenario& scenario = plan.evaluator.scenario();
@@ -138,35 +97,8 @@ std::vector<EqualErrorRow> at_equal_error(const Plan& plan, const BenchOptions& 
                     scenario.name + "' knows until " + number_text(until_s) + " s, " + number_text(accuracy.doubt()) +
                     " rad");
   }
-  std::vector<EqualErrorRow> rows;
-  std::vector<catalogue::Evaluator> evaluators;
-  evaluators.reserve(plan.methods.size());  // timed runs point at them
-  std::vector<catalogue::TimedRun> runs;
-  std::vector<std::size_t> row_of_run;
-  for (const catalogue::Method* method : plan.methods) {
-    progress.next(scenario.name + " " + std::string(method->name) + ": searching");
-    const catalogue::Search search = accuracy.cheapest(*method, options.equal_error, most_steps_of_a_search);
-    EqualErrorRow row{scenario.name, std::string(method->name), "", {}, search.trial.error, search.trial.doubt,
-                      search.why_not};
-    row.knob = knob_name(knob_of(*method));
-    if (!row.knob.empty()) row.setting = search.trial.setting;
-    row.steps = search.trial.steps;
-    row.evaluations = search.trial.evaluations;
-    if (search.reached) {
-      evaluators.push_back(accuracy.at(*method, search.trial.setting));
-      runs.push_back({&evaluators.back(), method, 0, 0, {}});
-      row_of_run.push_back(rows.size());
-    }
-    rows.push_back(std::move(row));
-  }
-  time_with_progress(runs, scenario.name, options.repeats, progress);
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    EqualErrorRow& row = rows[row_of_run[i]];
-    row.repeats = options.repeats;
-    row.median_s = runs[i].median_s();
-    row.mad_s = runs[i].mad_s();
-  }
-  return rows;
+  return catalogue::at_equal_error(accuracy, scenario.name, plan.methods, {options.equal_error, options.repeats},
+                                   [&](const std::string& what) { progress.next(scenario.name + " " + what); });
 }
 
 int bench_at_equal_error(const BenchOptions& options) {

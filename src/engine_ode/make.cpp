@@ -8,12 +8,19 @@
 namespace odeval::engine_ode {
 namespace {
 
-template <class Step>
-std::unique_ptr<Simulation> make(const Scenario& scenario, const SampleGrid& grid, Step step) try {
-  if (scenario.family() == Family::bodies) return std::make_unique<BodySimulation>(scenario, grid, step);
-  return std::make_unique<PendulumSimulation>(scenario, grid, step);
+template <class Make>
+std::unique_ptr<Simulation> guarded(const Scenario& scenario, Make make) try {
+  return make();
 } catch (const Fault& fault) {
   throw MachineError("scenario '" + scenario.name + "' can not be built: " + fault.what());
+}
+
+template <class Step>
+std::unique_ptr<Simulation> make(const Scenario& scenario, const SampleGrid& grid, Step step) {
+  return guarded(scenario, [&]() -> std::unique_ptr<Simulation> {
+    if (scenario.family() == Family::bodies) return std::make_unique<BodySimulation>(scenario, grid, step);
+    return std::make_unique<PendulumSimulation>(scenario, grid, step);
+  });
 }
 
 }  // namespace
@@ -24,6 +31,12 @@ std::unique_ptr<Simulation> make_step(const Scenario& scenario, const SampleGrid
 
 std::unique_ptr<Simulation> make_quickstep(const Scenario& scenario, const SampleGrid& grid) {
   return make<StepFunction>(scenario, grid, &dWorldQuickStep);
+}
+
+std::unique_ptr<Simulation> make_doubled(const Scenario& scenario, const SampleGrid& grid) {
+  return guarded(scenario, [&] {
+    return std::make_unique<PendulumSimulation>(scenario, grid, &dWorldStep, &build_doubled_pendulum);
+  });
 }
 
 std::unique_ptr<Simulation> make_stepped(const Scenario& scenario, const SampleGrid& grid, MakeStepper make_stepper) {

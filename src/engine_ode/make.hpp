@@ -9,6 +9,9 @@ namespace odeval::engine_ode {
 std::unique_ptr<Simulation> make_step(const Scenario& scenario, const SampleGrid& grid);
 std::unique_ptr<Simulation> make_quickstep(const Scenario& scenario, const SampleGrid& grid);
 
+/// dWorldStep on a pendulum with every hinge made twice.
+std::unique_ptr<Simulation> make_doubled(const Scenario& scenario, const SampleGrid& grid);
+
 /// The same world, moved by another stepper. Its impacts are those that it locates.
 std::unique_ptr<Simulation> make_stepped(const Scenario& scenario, const SampleGrid& grid, MakeStepper make_stepper);
 

@@ -14,6 +14,7 @@ struct Module {
   const char* configuration;      // ODE's configuration tokens
   MakeSimulation make_step;       // dWorldStep
   MakeSimulation make_quickstep;  // dWorldQuickStep
+  MakeSimulation make_doubled;    // dWorldStep, every hinge made twice
   /// The same world, moved by another stepper.
   std::unique_ptr<Simulation> (*make_stepped)(const Scenario&, const SampleGrid&, MakeStepper);
 };

@@ -20,7 +20,7 @@ Vec3 moved(const Vec3& from, double length, const Vec3& direction) {
   return {from[0] + length * direction[0], from[1] + length * direction[1], from[2] + length * direction[2]};
 }
 
-void add_links(Scene& scene, const Scenario& scenario) {
+void add_links(Scene& scene, const Scenario& scenario, int hinges) {
   const PlanarFrame& frame = scenario.problem->frame;
   const Vec3 axis = frame.axis();
   Vec3 near = frame.hinge_m;
@@ -59,15 +59,19 @@ void add_links(Scene& scene, const Scenario& scenario) {
     // The first link is body 0 of its hinge, to the world; every other link is body 1, after its parent (C.2).
     // C.5 hangs its link on a further body that a fixed joint holds inside the wall, in contact with it in every step;
     // the world itself is what that body stands for.
-    const dJointID hinge = dJointCreateHinge(scene.world(), nullptr);
-    if (parent == nullptr) {
-      dJointAttach(hinge, body, nullptr);
-    } else {
-      dJointAttach(hinge, parent, body);
+    dJointID first = nullptr;
+    for (int copy = 0; copy < hinges; ++copy) {
+      const dJointID hinge = dJointCreateHinge(scene.world(), nullptr);
+      if (parent == nullptr) {
+        dJointAttach(hinge, body, nullptr);
+      } else {
+        dJointAttach(hinge, parent, body);
+      }
+      dJointSetHingeAnchor(hinge, real(near[0]), real(near[1]), real(near[2]));
+      dJointSetHingeAxis(hinge, real(frame.hinge_axis[0]), real(frame.hinge_axis[1]), real(frame.hinge_axis[2]));
+      if (copy == 0) first = hinge;
     }
-    dJointSetHingeAnchor(hinge, real(near[0]), real(near[1]), real(near[2]));
-    dJointSetHingeAxis(hinge, real(frame.hinge_axis[0]), real(frame.hinge_axis[1]), real(frame.hinge_axis[2]));
-    scene.show(body, hinge);
+    scene.show(body, first);
     parent = body;
     near = moved(near, link.length_m, along);
     near_velocity = moved(near_velocity, rate * link.length_m, across);
@@ -94,15 +98,19 @@ void add_wall(Scene& scene, const Scenario& scenario) {
   scene.set_surface(surface);
 }
 
-}  // namespace
-
-void build_pendulum(Scene& scene, const Scenario& scenario) {
-  add_links(scene, scenario);
+void build(Scene& scene, const Scenario& scenario, int hinges) {
+  add_links(scene, scenario, hinges);
   if (scenario.wall) {
     add_wall(scene, scenario);
   } else {
     dCreatePlane(scene.space(), 0, 0, 1, 0);  // the ground of C.1, which its loop never tests for contact
   }
 }
+
+}  // namespace
+
+void build_pendulum(Scene& scene, const Scenario& scenario) { build(scene, scenario, 1); }
+
+void build_doubled_pendulum(Scene& scene, const Scenario& scenario) { build(scene, scenario, 2); }
 
 }  // namespace odeval::engine_ode

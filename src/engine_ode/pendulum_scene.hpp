@@ -7,4 +7,8 @@ namespace odeval::engine_ode {
 /// Links on hinges, one shown body a link; the wall where there is one, else a ground that nothing touches.
 void build_pendulum(Scene& scene, const Scenario& scenario);
 
+/// The same with every hinge made twice: rows that say the same, which only CFM keeps apart. The first one's force is
+/// shown.
+void build_doubled_pendulum(Scene& scene, const Scenario& scenario);
+
 }  // namespace odeval::engine_ode

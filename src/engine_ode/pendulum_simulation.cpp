@@ -3,7 +3,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine_ode/pendulum_scene.hpp"
 
 namespace odeval::engine_ode {
 namespace {
@@ -14,8 +13,9 @@ double nearest_branch(double angle, double near) { return angle + full_turn * st
 
 }  // namespace
 
-PendulumSimulation::PendulumSimulation(const Scenario& scenario, const SampleGrid& grid, StepFunction step)
-    : SteppedSimulation(scenario, grid, step, &build_pendulum, scenario.wall ? scenario.links.size() : 0) {
+PendulumSimulation::PendulumSimulation(const Scenario& scenario, const SampleGrid& grid, StepFunction step,
+                                       BuildScene build)
+    : SteppedSimulation(scenario, grid, step, build, scenario.wall ? scenario.links.size() : 0) {
   double angle = 0;
   for (const double q : scenario.q0) angles_.push_back(angle += q);
   follow();

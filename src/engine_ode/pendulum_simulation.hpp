@@ -1,12 +1,14 @@
 #pragma once
 // Pendulums stepped by ODE: links whose angles are followed from step to step.
+#include "engine_ode/pendulum_scene.hpp"
 #include "engine_ode/stepped_simulation.hpp"
 
 namespace odeval::engine_ode {
 
 class PendulumSimulation final : public SteppedSimulation {
  public:
-  PendulumSimulation(const Scenario& scenario, const SampleGrid& grid, StepFunction step);
+  PendulumSimulation(const Scenario& scenario, const SampleGrid& grid, StepFunction step,
+                     BuildScene build = &build_pendulum);
   PendulumSimulation(const Scenario& scenario, const SampleGrid& grid, MakeStepper make_stepper);
 
  private:

@@ -43,18 +43,6 @@ std::optional<double> parts_at(const Trace& a, const Trace& b, double by_rad) {
   return std::nullopt;
 }
 
-/// From when no method is left that is not lost.
-std::optional<report::Shade> all_lost(Evaluator& evaluator, const std::vector<const Evaluation*>& runs) {
-  std::optional<report::Shade> last;
-  for (const Evaluation* run : runs) {
-    const std::optional<report::Shade> shade = lost_shade(evaluator, *run);
-    if (!shade) return std::nullopt;
-    if (!last || shade->from > last->from) last = shade;
-  }
-  if (last) last->why = "here all three methods are off by more than 0.1 rad";
-  return last;
-}
-
 Figure angles(Evaluator& evaluator, const std::vector<const Evaluation*>& runs) {
   const Trace& truth = evaluator.reference().trace;
   const auto shade = all_lost(evaluator, runs);

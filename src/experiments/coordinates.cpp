@@ -1,54 +1,237 @@
-// Cartesian coordinates with feedback beside generalized ones: claim C3.
+// Cartesian coordinates with feedback beside generalized ones, and why they win: claim C3.
 #include <fmt/format.h>
 
+#include <cmath>
+
+#include "catalogue/accuracy.hpp"
 #include "experiments/all.hpp"
 #include "experiments/parts.hpp"
+#include "measure/order.hpp"
 #include "measure/spread.hpp"
+#include "reference/projected_step.hpp"
 
 namespace odeval::experiments {
 namespace {
 
+using catalogue::Evaluation;
+using catalogue::Evaluator;
+using catalogue::Method;
+using report::Cell;
+using report::Missing;
+using report::Panel;
+
 constexpr double until_s = 3;
 constexpr const char* compared[] = {"ode-step-double", "maximal-ode-step", "lagrange-symplectic-euler",
                                     "lagrange-euler", "maximal-euler"};
+constexpr double erps[] = {0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1};
+constexpr double steps_s[] = {2e-3, 1e-3, 5e-4, 2.5e-4, 1.25e-4};
+constexpr double laddered_erps[] = {0, 0.2, 1};
+
+/// ODE's scheme where no joint can open: there is nothing to feed back.
+Method projected_step() {
+  Method method = *available("lagrange-symplectic-euler");
+  method.name = "ODE's scheme, generalized";
+  method.make = reference::make_projected_step;
+  method.settings = catalogue::Settings::ode;  // it steps as ODE does, so that the half-step start is for it
+  return method;
+}
+
+OdeSettings with_erp(OdeSettings settings, double erp) {
+  settings.erp = erp;
+  return settings;
+}
+
+OdeSettings half_step(OdeSettings settings) {
+  settings.start = Start::half_step;
+  return settings;
+}
+
+/// One way to step, at the steps of the ladder.
+struct Ladder {
+  std::string label;
+  std::vector<double> error;         // rad
+  std::vector<double> half_started;  // rad, with the half-step start
+  std::vector<double> gap;           // m
+};
+
+Ladder ladder(const Scenario& file, const Method& method, const OdeSettings& settings, std::string label) {
+  Ladder ladder{std::move(label), {}, {}, {}};
+  for (const double h : steps_s) {
+    Scenario scenario = file;
+    scenario.step_s = h;
+    scenario.duration_s = 1;
+    scenario.sample_s = 0.01;
+    Evaluator evaluator(scenario);
+    const Evaluation usual = evaluator.evaluate(method, settings);
+    ladder.error.push_back(error_until(evaluator, usual, 1));
+    ladder.gap.push_back(evaluator.measure(usual, 1).max_gap.value_or(NAN));
+    ladder.half_started.push_back(error_until(evaluator, evaluator.evaluate(method, half_step(settings)), 1));
+  }
+  return ladder;
+}
+
+Cell order_cell(const std::vector<double>& values) {
+  std::vector<ErrorPoint> points;
+  for (std::size_t i = 0; i < values.size(); ++i) points.push_back({steps_s[i], values[i], 0});
+  const auto order = observed_order(points, INFINITY);
+  if (!order) return Missing{"generalized coordinates have no gap"};
+  return fmt::format("{:.2f} ± {:.2f}", order->order, order->half_width);
+}
+
+/// The error over ERP, beside the methods that have none.
+report::Figure erp_figure(Evaluator& evaluator, const Scenario& file, const Method& projected, double symplectic,
+                          double projected_error) {
+  Panel error{.x_label = "ERP", .y_label = "angle error until 3 s, rad", .log_y = true};
+  Panel gap{.x_label = "ERP", .y_label = "widest gap of a joint until 3 s, m", .log_y = true};
+  report::Series of_ode{"ode-step-double", {}, {}, report::Mark::line_and_points, colour_of("ode-step-double")};
+  report::Series gap_of_ode = of_ode;
+  for (const double erp : erps) {
+    const Evaluation run = evaluator.evaluate(*available("ode-step-double"), with_erp(file.ode, erp));
+    of_ode.x.push_back(erp);
+    of_ode.y.push_back(error_until(evaluator, run, until_s));
+    gap_of_ode.x.push_back(erp);
+    gap_of_ode.y.push_back(evaluator.measure(run, until_s).max_gap.value_or(NAN));
+  }
+  error.series = {std::move(of_ode),
+                  curve("lagrange-symplectic-euler", {0, 1}, {symplectic, symplectic},
+                        colour_of("lagrange-symplectic-euler"), true),
+                  curve(std::string(projected.name), {0, 1}, {projected_error, projected_error}, guide_colour, true)};
+  gap.series = {std::move(gap_of_ode)};
+  return {"coordinates-erp",
+          "What the feedback does: error and gap over ERP",
+          fmt::format("Double pendulum at h = {} s. Level lines are methods in generalized coordinates, which need no "
+                      "feedback.",
+                      file.step_s),
+          {std::move(error), std::move(gap)},
+          2};
+}
+
+report::Figure order_figure(const std::vector<Ladder>& ladders) {
+  Panel gap{.x_label = "h, s", .y_label = "widest gap until 1 s, m", .log_x = true, .log_y = true};
+  Panel error{
+      .x_label = "h, s", .y_label = "angle error until 1 s, half-step start, rad", .log_x = true, .log_y = true};
+  const Column steps(std::begin(steps_s), std::end(steps_s));
+  for (std::size_t i = 0; i < ladders.size(); ++i) {
+    const Ladder& one = ladders[i];
+    const int colour = static_cast<int>(i);
+    error.series.push_back({one.label, steps, one.half_started, report::Mark::line_and_points, colour});
+    if (one.gap.back() > 0) gap.series.push_back({one.label, steps, one.gap, report::Mark::line_and_points, colour});
+  }
+  return {"coordinates-order",
+          "Gap and error over the step",
+          "Left, the gap without feedback falls as slowly as h, with it as h squared. Right, with the clock set half a "
+          "step back, only what is no shift of time is left of the error.",
+          {std::move(gap), std::move(error)},
+          2};
+}
+
+report::Table order_table(const std::vector<Ladder>& ladders) {
+  report::Table table{"coordinates-order",
+                      "Observed order of error and gap until 1 s",
+                      {"scheme", "order of the error", "order with the half-step start", "order of the gap",
+                       "error at 1 ms, rad", "with the half-step start, rad"},
+                      {},
+                      fmt::format("Slope over h from {} to {} s, with its 95 % interval.", steps_s[0],
+                                  steps_s[std::size(steps_s) - 1])};
+  for (const Ladder& one : ladders) {
+    table.rows.push_back({one.label, order_cell(one.error), order_cell(one.half_started), order_cell(one.gap),
+                          one.error[1], one.half_started[1]});
+  }
+  return table;
+}
 
 }  // namespace
 
 Section coordinates(Laboratory& laboratory, Findings& findings) {
-  catalogue::Evaluator& evaluator = laboratory.evaluator("double_pendulum");
+  Evaluator& evaluator = laboratory.evaluator("double_pendulum");
+  const Scenario& file = evaluator.scenario();
   report::Table table{
       "coordinates",
       "First-order methods in Cartesian and in generalized coordinates",
       {"method", "error until 3 s, rad", "the reference's uncertainty, rad", "condition number, median over the run"},
       {},
-      "The condition number (1-norm) is that of the matrix the method inverts in each step."};
+      "The condition number (1-norm) is that of the matrix the method inverts in each step. The last rows are the "
+      "controls: ODE without feedback, and ODE's scheme in generalized coordinates."};
   double error[std::size(compared)];
   double doubt[std::size(compared)];
   double condition[std::size(compared)];
-  report::Panel panel{.x_label = "t, s", .y_label = "condition number", .log_y = true};
+  Panel panel{.x_label = "t, s", .y_label = "condition number", .log_y = true};
   for (std::size_t i = 0; i < std::size(compared); ++i) {
-    const catalogue::Evaluation& run = *laboratory.run("double_pendulum", compared[i]);
+    const Evaluation& run = *laboratory.run("double_pendulum", compared[i]);
     error[i] = error_until(evaluator, run, until_s);
     doubt[i] = uncertainty_until(evaluator, run, until_s);
     condition[i] = median(run.trace.condition);
     table.rows.push_back({std::string(compared[i]), error[i], doubt[i], condition[i]});
     panel.series.push_back(curve(compared[i], run.trace.t, run.trace.condition, colour_of(compared[i])));
   }
+  panel.shade = lost_shade(evaluator, *laboratory.run("double_pendulum", compared[0]));
+
+  const Method step = *available("ode-step-double");
+  const Method projected = projected_step();
+  const Evaluation unfed = evaluator.evaluate(step, with_erp(file.ode, 0));
+  const Evaluation control = evaluator.evaluate(projected);
+  const double unfed_error = error_until(evaluator, unfed, until_s);
+  const double control_error = error_until(evaluator, control, until_s);
+  table.rows.push_back({std::string("ode-step-double, ERP 0"), unfed_error, doubt[0], median(unfed.trace.condition)});
+  table.rows.push_back({std::string(projected.name), control_error, doubt[0], median(control.trace.condition)});
+
   findings.add("C3.error_ratio",
                measured_ratio("error of dWorldStep over that of symplectic Euler in generalized coordinates, until 3 s",
                               error[0], error[2], doubt[0], doubt[2]));
   findings.add("C3.condition_ratio",
                measured_ratio("median condition number of ODE's system matrix over that of the generalized mass matrix",
                               condition[0], condition[2]));
+  findings.add("coordinates.feedback_gain",
+               measured_ratio("error of dWorldStep without feedback (ERP 0) over that with it, until 3 s", unfed_error,
+                              error[0], doubt[0], doubt[0]));
+  findings.add("coordinates.scheme_ratio",
+               measured_ratio("error of dWorldStep over that of its own scheme in generalized coordinates, until 3 s",
+                              error[0], control_error, doubt[0], doubt[0]));
+
+  std::vector<Ladder> ladders;
+  for (const double erp : laddered_erps) {
+    ladders.push_back(ladder(file, step, with_erp(file.ode, erp), fmt::format("dWorldStep, ERP {}", erp)));
+  }
+  ladders.push_back(ladder(file, projected, file.ode, std::string(projected.name)));
+  Method symplectic = *available("lagrange-symplectic-euler");
+  symplectic.settings = catalogue::Settings::ode;  // to be given the half-step start as well
+  ladders.push_back(ladder(file, symplectic, file.ode, "symplectic Euler, generalized"));
+
   Section section{"coordinates", "Cartesian or generalized coordinates?", {}};
   section.blocks.emplace_back(
-      report::Text{"The report expected more states and a worse conditioned matrix to cost accuracy. Both kinds of "
-                   "methods here are of "
-                   "first order and take the same steps."});
+      report::Text{"The report expected more states and a worse conditioned matrix to cost accuracy. All methods here "
+                   "are of first order and take the same steps."});
   section.blocks.emplace_back(std::move(table));
+  section.blocks.emplace_back(report::Text{fmt::format(
+      "dWorldStep has a matrix {} times as badly conditioned and an error {} times smaller than symplectic Euler in "
+      "generalized coordinates. It is not the coordinates, it is the feedback. Without it (ERP 0) the same step in the "
+      "same coordinates is off by {} rad instead of {}; and the same scheme in generalized coordinates, where no joint "
+      "can open and there is nothing to feed back, is off by {} rad just so.",
+      shown(condition[0] / condition[2]), shown(error[2] / error[0]), shown(unfed_error), shown(error[0]),
+      shown(control_error))});
+  section.blocks.emplace_back(erp_figure(evaluator, file, projected, error[2], control_error));
+  section.blocks.emplace_back(report::Text{
+      "Why: a step takes the velocities of the old pose and removes from them what the hinges of the next pose do not "
+      "allow, then moves straight on along what is left, which opens each joint a little. A velocity that lies along "
+      "the old pose's tangent meets the new one's at the angle that the links have turned, and loses with each step "
+      "half the square of that angle: h squared a step, always a loss, of order h in all. Feedback closes the gap of "
+      "the step before, and what it adds to the velocity to do so turns it from the tangent into the chord from one "
+      "pose "
+      "to the next, whatever ERP is, once 1/ERP steps have passed. The chord meets the tangents of both its ends at "
+      "the "
+      "same angle, so that what is lost at one is won at the other. That is Störmer and Verlet's step with constraints "
+      "(SHAKE), of second order but for its clock, which is half a step off (claim O1). Symplectic Euler in "
+      "generalized "
+      "coordinates evaluates the Coriolis terms with rates half a step old, which is no shift of time either. The next "
+      "figure and table show it: with the half-step start ODE's error falls with h squared where there is feedback, "
+      "and "
+      "with h where there is none."});
+  section.blocks.emplace_back(order_figure(ladders));
+  section.blocks.emplace_back(order_table(ladders));
   section.blocks.emplace_back(report::Figure{"coordinates-condition",
                                              "Condition of what each method inverts",
-                                             "The larger, the more digits a solution may lose.",
+                                             "The larger, the more digits a solution may lose. What is lost here is "
+                                             "far below the error of a step.",
                                              {std::move(panel)},
                                              1});
   return section;

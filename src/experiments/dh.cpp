@@ -36,6 +36,9 @@ Section denavit_hartenberg(Laboratory& laboratory, Findings& findings) {
                measured(fmt::format("largest difference of an angle between dh-ode45 and lagrange-ode45 until {} s",
                                     judged_until_s),
                         "rad", *std::ranges::max_element(judged)));
+  if (toolbox.t.back() > judged_until_s) {
+    panel.shade = report::Shade{judged_until_s, "from here on the difference is what the motion makes of rounding"};
+  }
   panel.series.push_back(curve("dh-ode45 - lagrange-ode45", toolbox.t, above_zero(difference)));
 
   Section section{"dh", "A toolbox's equations and the hand-derived ones", {}};

@@ -27,8 +27,10 @@ Section energy(Laboratory& laboratory, Findings& findings) {
                       {},
                       "Drift is the energy minus the energy at t = 0, of a motion that loses and gains none."};
   double largest[3] = {};
+  std::vector<const Evaluation*> runs;
   for (std::size_t i = 0; i < std::size(compared); ++i) {
     const Evaluation& run = *laboratory.run("double_pendulum", compared[i]);
+    runs.push_back(&run);
     const Column drift = energy_drift(run.trace);
     signed_drift.series.push_back(curve(compared[i], run.trace.t, drift, colour_of(compared[i])));
     size.series.push_back(curve(compared[i], run.trace.t, above_zero(sizes(drift)), colour_of(compared[i])));
@@ -42,6 +44,7 @@ Section energy(Laboratory& laboratory, Findings& findings) {
                                                     largest[0], largest[1]));
   findings.add("C8a.ode_over_euler", measured_ratio(fmt::format("largest energy drift of ODE over Euler's, {} s", end),
                                                     largest[0], largest[2]));
+  signed_drift.shade = size.shade = all_lost(evaluator, runs);
   figure.panels = {std::move(signed_drift), std::move(size)};
   figure.caption =
       "Read how far a curve gets from zero and whether it comes back, not how restless it looks. The second plot shows "

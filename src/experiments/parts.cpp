@@ -84,6 +84,17 @@ std::optional<Shade> lost_shade(Evaluator& evaluator, const Evaluation& run) {
   return std::nullopt;
 }
 
+std::optional<Shade> all_lost(Evaluator& evaluator, const std::vector<const Evaluation*>& runs) {
+  std::optional<Shade> last;
+  for (const Evaluation* run : runs) {
+    std::optional<Shade> shade = lost_shade(evaluator, *run);
+    if (!shade) return std::nullopt;
+    if (!last || shade->from > last->from) last = std::move(shade);
+  }
+  if (last) last->why = fmt::format("here all methods shown are off by more than {} rad", divergence_rad);
+  return last;
+}
+
 Finding measured(std::string meaning, std::string unit, double value, double uncertainty) {
   if (!std::isfinite(value) || !std::isfinite(uncertainty)) {
     return unavailable(std::move(meaning), std::move(unit), "a run did not stay finite");
@@ -93,7 +104,7 @@ Finding measured(std::string meaning, std::string unit, double value, double unc
 
 Finding measured_ratio(std::string meaning, double a, double b, double doubt_a, double doubt_b) {
   const double ratio = a / b;
-  return measured(std::move(meaning), "", ratio, std::fabs(ratio) * (doubt_a / std::fabs(a) + doubt_b / std::fabs(b)));
+  return measured(std::move(meaning), "", ratio, (doubt_a + std::fabs(ratio) * doubt_b) / std::fabs(b));
 }
 
 Finding unavailable(std::string meaning, std::string unit, std::string why) {

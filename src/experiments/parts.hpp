@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "experiments/experiment.hpp"
 #include "report/text.hpp"
@@ -40,6 +41,10 @@ Column above_zero(Column column);
 /// From where on a trace tells nothing: its own error passes 0.1 rad, or the reference knows its angles no better.
 /// Nothing when neither happens.
 std::optional<report::Shade> lost_shade(catalogue::Evaluator& evaluator, const catalogue::Evaluation& run);
+
+/// From when on none of several runs is left that is not lost; nothing while one is.
+std::optional<report::Shade> all_lost(catalogue::Evaluator& evaluator,
+                                      const std::vector<const catalogue::Evaluation*>& runs);
 
 /// A finding that has its value only when that is finite.
 report::Finding measured(std::string meaning, std::string unit, double value, double uncertainty = 0);

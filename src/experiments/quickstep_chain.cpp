@@ -54,7 +54,7 @@ Section quickstep_chain(Laboratory& laboratory, Findings& findings) {
       fmt::format("QuickStep beside dWorldStep on {} links until {} s, h = {} s", links, until_s, scenario.step_s),
       {"method", "iterations", "over-relaxation", "angle error, rad", "error over dWorldStep's", "largest gap, m",
        "CPU time a step, s"},
-      {{std::string(big_matrix), std::string("direct"), std::string("-"), error, 1.0, of_step.max_gap,
+      {{std::string(big_matrix), std::string("direct"), std::string("-"), error, 1.0, *of_step.max_gap,
         cost_a_step(step)}},
       fmt::format("The reference knows the angles to {} rad. Times are of this machine, one run each.", shown(doubt))};
   Panel errors{.x_label = "iterations", .y_label = "angle error, rad", .log_x = true, .log_y = true};

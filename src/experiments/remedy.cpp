@@ -64,6 +64,8 @@ Section remedy(Laboratory& laboratory, Findings& findings) {
     const Reference& reference = laboratory.evaluator(scenario).reference();
     panel.series.push_back(
         curve("the reference's uncertainty", reference.trace.t, above_zero(reference.uncertainty_q), -1, true));
+    panel.shade = lost_shade(laboratory.evaluator(scenario), *laboratory.run(scenario, now));
+    if (panel.shade) panel.shade->why = std::string(now) + ": " + panel.shade->why;
     panels.push_back(std::move(panel));
   }
   section.blocks.emplace_back(report::Figure{"remedy-errors", "Errors in free motion and through impacts",

@@ -54,6 +54,12 @@ Section sensitivity(Laboratory& laboratory, Findings& findings) {
                   curve("predicted by the sensitivities", t, above_zero(predicted), -1, true),
                   curve("error of ode-step-double", ode.trace.t, above_zero(largest_error(ode.trace)),
                         colour_of("ode-step-double"))};
+  if (std::isfinite(parts_at)) {
+    angles.shade = apart.shade = report::Shade{
+        parts_at, fmt::format("q2 of the two runs is more than {} rad apart: they are different motions, and a linear "
+                              "prediction no longer holds",
+                              parted_rad)};
+  }
   report::Panel factor{.x_label = "t, s", .y_label = "growth factor", .log_y = true};
   factor.series = {curve("largest singular value", motion.t, above_zero(motion.growth))};
   report::Panel exponent{.x_label = "t, s", .y_label = "finite-time Lyapunov exponent, 1/s"};

@@ -41,6 +41,8 @@ Section single_pendulum(Laboratory& laboratory, Findings& findings) {
     const catalogue::Evaluation& run = *laboratory.run("single_pendulum", method);
     panel.series.push_back(curve(method, run.trace.t, above_zero(largest_error(run.trace)), colour_of(method)));
   }
+  panel.shade =
+      lost_shade(laboratory.evaluator("single_pendulum"), *laboratory.run("single_pendulum", "ode-step-double"));
   const Reference& reference = laboratory.evaluator("single_pendulum").reference();
   panel.series.push_back(
       curve("the reference's uncertainty", reference.trace.t, above_zero(reference.uncertainty_q), -1, true));

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <iterator>
-#include <vector>
 
 namespace odeval {
 namespace {
@@ -57,6 +56,22 @@ std::optional<ObservedOrder> observed_order(std::span<const ErrorPoint> points, 
   const auto [from, to] = std::ranges::minmax(used, {}, &ErrorPoint::setting);
   return ObservedOrder{slope, student_t_95(static_cast<int>(used.size()) - 2) * standard_error + doubt, from.setting,
                        to.setting, static_cast<int>(used.size())};
+}
+
+std::vector<ErrorPoint> settled_points(std::span<const ErrorPoint> points, double lost) {
+  std::vector<ErrorPoint> used;
+  std::ranges::copy_if(points, std::back_inserter(used), [lost](const ErrorPoint& p) { return counts(p, lost); });
+  std::ranges::sort(used, std::ranges::greater(), &ErrorPoint::setting);
+  std::vector<double> slopes;
+  for (std::size_t i = 0; i + 1 < used.size(); ++i) {
+    slopes.push_back(std::log(used[i].error / used[i + 1].error) / std::log(used[i].setting / used[i + 1].setting));
+  }
+  for (std::size_t first = 0; first + 2 < used.size(); ++first) {
+    const bool settled = std::all_of(slopes.begin() + static_cast<std::ptrdiff_t>(first) + 1, slopes.end(),
+                                     [&](double finer) { return std::fabs(finer - slopes[first]) <= settled_slopes; });
+    if (settled) return {used.begin() + static_cast<std::ptrdiff_t>(first), used.end()};
+  }
+  return {};
 }
 
 }  // namespace odeval

@@ -2,6 +2,7 @@
 // Observed order of convergence, with what the points leave open about it.
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace odeval {
 
@@ -32,6 +33,15 @@ inline constexpr double clear_of_doubt = 10;
 ///             the error) alike; and what the slope would move by if every point were off by its doubt, the worst way
 /// Empty when fewer than 3 points count or all have one setting.
 std::optional<ObservedOrder> observed_order(std::span<const ErrorPoint> points, double lost);
+
+/// Local slopes differ from each other by no more than this where the error has settled to a power of the setting.
+inline constexpr double settled_slopes = 0.05;
+
+/// The points of the asymptotic range, from coarse to fine: those that count (as above), from the largest setting on
+/// from which the local slope, of a point and the next finer one, stays within `settled_slopes` of all finer ones. The
+/// next term of an error shows as a slope that still changes, so what is left of it is smaller than that.
+/// Empty when fewer than 3 points are left: then nothing says that the slopes have settled.
+std::vector<ErrorPoint> settled_points(std::span<const ErrorPoint> points, double lost);
 
 /// Two-sided 95 % quantile of Student's t (NIST/SEMATECH e-Handbook of Statistical Methods, 1.3.6.7.2, column 0.975).
 /// Above 30 degrees of freedom that of 30, which is at most 4 % too wide.

@@ -20,4 +20,10 @@ inline double median_absolute_deviation(const std::vector<double>& values) {
   return median(distances);
 }
 
+/// Half width of the median's 95 % interval: 1.96 times its standard error of 1.2533 sigma / sqrt(n) (for normal
+/// noise), with sigma = 1.4826 times the median absolute deviation.
+inline double median_half_width(const std::vector<double>& values) {
+  return 1.96 * 1.2533 * 1.4826 * median_absolute_deviation(values) / std::sqrt(static_cast<double>(values.size()));
+}
+
 }  // namespace odeval

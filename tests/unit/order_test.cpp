@@ -98,6 +98,38 @@ void too_few_points_have_no_order() {
   CHECK(!observed_order(alike, anything));
 }
 
+// h + d h^2 has a local slope of 1 + d h / (2 ln 2) between h/2 and h, to first order: it nears 1 by halves.
+void slopes_settle_where_the_next_term_is_small() {
+  const std::vector<ErrorPoint> straight = halvings(6, [](double h) { return 2 * h; });
+  CHECK_EQUAL(settled_points(straight, anything).size(), 6u);
+
+  const std::vector<ErrorPoint> bent = halvings(9, [](double h) { return h + 100 * h * h; });
+  const std::vector<ErrorPoint> settled = settled_points(bent, anything);
+  CHECK(settled.size() >= 3 && settled.size() < 9);
+  const auto slope = [&](std::size_t i) { return std::log2(bent[i].error / bent[i + 1].error); };
+  const std::size_t first = 9 - settled.size();
+  CHECK_EQUAL(settled.front().setting, bent[first].setting);
+  CHECK(slope(first) - slope(7) <= settled_slopes);
+  CHECK(slope(first - 1) - slope(7) > settled_slopes);
+  // What is left is smaller than what the whole range has.
+  CHECK(std::fabs(observed_order(settled, anything)->order - 1) < settled_slopes);
+  CHECK(std::fabs(observed_order(bent, anything)->order - 1) > 2 * settled_slopes);
+}
+
+void slopes_that_do_not_settle_leave_nothing() {
+  std::vector<ErrorPoint> points = halvings(6, [](double h) { return h; });
+  for (std::size_t i = 0; i < points.size(); i += 2) points[i].error *= 1.1;
+  CHECK(settled_points(points, anything).empty());
+  CHECK(settled_points(halvings(2, [](double h) { return h; }), anything).empty());
+  // A kink at the fine end counts as much as one at the coarse end.
+  std::vector<ErrorPoint> kinked = halvings(6, [](double h) { return h; });
+  kinked.back().error *= 1.1;
+  CHECK(settled_points(kinked, anything).empty());
+  std::vector<ErrorPoint> lost = halvings(6, [](double h) { return h; });
+  lost.front().error = 2;
+  CHECK_EQUAL(settled_points(lost, 0.1).size(), 5u);
+}
+
 // The table has three decimals.
 void quantiles_are_students() {
   for (int df = 1; df <= 30; ++df) {
@@ -118,6 +150,8 @@ int main() {
   lost_and_doubtful_points_do_not_count();
   doubt_widens_the_interval();
   too_few_points_have_no_order();
+  slopes_settle_where_the_next_term_is_small();
+  slopes_that_do_not_settle_leave_nothing();
   quantiles_are_students();
   return odeval::test::verdict();
 }
