@@ -56,12 +56,14 @@ inline constexpr PlanarFrame lying_frame{{1, 0, 3}, {1, 0, 0}, {0, 0, 1}, {0, 1,
 inline constexpr PlanarFrame body_frame{{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {0, 1, 0}, {0, 0, 1}, {1, 0, 0}, 0};
 
 /// The one table of problems; everything that names a problem reads it.
-inline constexpr std::array<Problem, 4> problems{{
+inline constexpr std::array<Problem, 5> problems{{
     {"single_pendulum", "one link on one hinge; closed form in elliptic functions", 1, false, hanging_frame},
     {"double_pendulum", "two links on two hinges; chaotic", 2, false, hanging_frame},
     {"wall_pendulum", "one link that swings against a wall; closed form between impacts", 1, true, lying_frame},
     {"free_box", "bodies that nothing touches; closed form in elliptic functions", 0, false, body_frame,
      Family::bodies},
+    {"thin_body", "bodies that nothing touches, as thin as wanted; closed form in elliptic functions", 0, false,
+     body_frame, Family::bodies},
 }};
 
 }  // namespace odeval

@@ -56,6 +56,7 @@ class Reader {
     for (const SectionRow& section : section_table()) {
       if (const toml::node* node = tree.get(section.name)) read_section(section, *node);
     }
+    make_thin();
     check_against_problem(tree);
     check_tolerances();
     check_grid();
@@ -138,6 +139,20 @@ class Reader {
         scenario_.tolerances.emplace_back();
       }
       read_table(*table, name, path);
+    }
+  }
+
+  /// What `aspect` says goes into the sides, which are held to the least size again.
+  void make_thin() {
+    constexpr double least_m = 1e-4;
+    for (std::size_t i = 0; i < scenario_.bodies.size(); ++i) {
+      Body& body = scenario_.bodies[i];
+      for (const std::size_t side : {0, 1}) {
+        body.size_m[side] /= body.aspect;
+        if (body.size_m[side] >= least_m) continue;
+        fail(fmt::format("bodies.{}.aspect", i), fmt::format("{}", body.aspect),
+             fmt::format("makes a side {:.6g} m thin; it must leave at least {} m", body.size_m[side], least_m));
+      }
     }
   }
 
