@@ -24,6 +24,8 @@ constexpr std::array table{
     Experiment{"single-pendulum", "Was the double pendulum a good choice?", single_pendulum},
     Experiment{"coordinates", "Cartesian or generalized coordinates?", coordinates},
     Experiment{"feedback-term", "What the feedback term keeps together", feedback_term},
+    Experiment{"free-box", "A free box: Gazebo's boxes benchmark", free_box},
+    Experiment{"thin-body", "Long thin bodies and their long axis", thin_body},
     Experiment{"remedy", "A fourth-order step beside ODE's collision detection", remedy},
 };
 // clang-format on
