@@ -9,6 +9,7 @@
 
 #include "odeval/error.hpp"
 #include "reference/generalized_rows.hpp"
+#include "reference/jacobi.hpp"
 #include "reference/wall_bounce.hpp"
 
 namespace odeval::reference {
@@ -16,47 +17,6 @@ namespace {
 
 using boost::math::ellint_rf;
 using std::numbers::pi;
-
-struct Jacobi {
-  double sn, cn, dn;
-};
-
-// Jacobi's functions from 1 - k^2, by the arithmetic-geometric mean (R. Bulirsch, Numerical calculation of elliptic
-// integrals and elliptic functions, Numer. Math. 7, 1965). Boost's jacobi_elliptic takes k, too late near k = 1.
-Jacobi jacobi(double u, double complement) {
-  if (complement == 0) return {std::tanh(u), 1 / std::cosh(u), 1 / std::cosh(u)};
-  constexpr int most = 16;  // the mean doubles its digits each time
-  const double close = std::sqrt(std::numeric_limits<double>::epsilon()) / 4;
-  std::array<double, most> arithmetic;
-  std::array<double, most> geometric;
-  double a = 1;
-  double g = std::sqrt(complement);
-  double c = 0;
-  int last = 0;
-  for (;; ++last) {
-    arithmetic[static_cast<std::size_t>(last)] = a;
-    geometric[static_cast<std::size_t>(last)] = g;
-    c = (a + g) / 2;
-    if (std::fabs(a - g) <= close * a || last == most - 1) break;
-    g = std::sqrt(a * g);
-    a = c;
-  }
-  const double sine = std::sin(c * u);
-  const double cosine = std::cos(c * u);
-  if (sine == 0) return {0, cosine, 1};
-  double dn = 1;
-  a = cosine / sine;
-  c *= a;
-  for (; last >= 0; --last) {
-    const double b = arithmetic[static_cast<std::size_t>(last)];
-    a *= c;
-    c *= dn;
-    dn = (geometric[static_cast<std::size_t>(last)] + a) / (b + a);
-    a = c / b;
-  }
-  const double sn = std::copysign(1 / std::sqrt(c * c + 1), sine);
-  return {sn, c * sn, dn};
-}
 
 }  // namespace
 

@@ -29,6 +29,8 @@ struct Metrics {
   std::optional<double> position_uncertainty;
   std::optional<double> turn_uncertainty;
   std::optional<double> max_angular_momentum_drift;  // N m s
+  std::optional<double> max_long_axis_spin;          // rad/s
+  std::optional<double> spin_uncertainty;
 };
 
 struct MetricRow {
@@ -57,6 +59,8 @@ inline constexpr MetricRow metric_rows[] = {
   {"position_uncertainty",  "m",   "bound on the reference's own distance",            [](const Metrics& m) { return m.position_uncertainty; }},
   {"turn_uncertainty",      "rad", "bound on the reference's own angle of attitude",   [](const Metrics& m) { return m.turn_uncertainty; }},
   {"max_angular_momentum_drift", "N m s", "largest change of the angular momentum about the centres", [](const Metrics& m) { return m.max_angular_momentum_drift; }},
+  {"max_long_axis_spin",    "rad/s", "largest spin about a body's longest side that the reference does not have", [](const Metrics& m) { return m.max_long_axis_spin; }, "spin_uncertainty"},
+  {"spin_uncertainty",      "rad/s", "bound on the error of the reference's own spin", [](const Metrics& m) { return m.spin_uncertainty; }},
 };
 // clang-format on
 

@@ -66,6 +66,8 @@ inline constexpr std::array problems{
     Problem{"potra_pendulum", "two balls on rods that both swing against a wall", 2, true, potra_frame},
     Problem{"free_box", "bodies that nothing touches; closed form in elliptic functions", 0, false, body_frame,
             Family::bodies},
+    Problem{"thin_body", "bodies that nothing touches, as thin as wanted; closed form in elliptic functions", 0, false,
+            body_frame, Family::bodies},
 };
 
 }  // namespace odeval

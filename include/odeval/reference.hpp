@@ -15,6 +15,7 @@ struct Reference {
   Column uncertainty_q;         // rad, bound on the largest angle error at each sample; empty without angles
   Column uncertainty_position;  // m, bound on the error of any body's centre at each sample; empty without bodies
   Column uncertainty_turn;      // rad, likewise of any body's attitude
+  Column uncertainty_spin;      // rad/s, likewise of any body's spin
   std::vector<std::array<Column, 3>> joint_force;  // n, N, world frame: joint i on link i
   std::vector<Impact> impacts;
   std::vector<double> impact_uncertainty_s;  // one per impact

@@ -53,12 +53,19 @@ struct Body {
   Vec3 turn_rad{};      // rotation vector
   Vec3 velocity_m_s{};  // of its centre
   Vec3 spin_rad_s{};
+  double aspect = 1;  // already in size_m: by how much the sides x and y were divided
 
   /// Moments of inertia about its own axes through the centre, kg m².
   Vec3 inertia_kgm2() const {
     const auto [x, y, z] = size_m;
     if (shape == Shape::sphere) return {mass_kg * x * x / 10, mass_kg * y * y / 10, mass_kg * z * z / 10};
     return {mass_kg * (y * y + z * z) / 12, mass_kg * (z * z + x * x) / 12, mass_kg * (x * x + y * y) / 12};
+  }
+
+  /// Number of its own axis along the longest side; of equally long ones the last.
+  std::size_t long_axis() const {
+    const auto [x, y, z] = size_m;
+    return z >= x && z >= y ? 2 : y >= x ? 1 : 0;
   }
 };
 
@@ -92,6 +99,7 @@ struct OdeSettings {
   double surface_layer = 0;
   Start start = Start::as_given;
   std::uint32_t seed = 0;
+  bool gyroscopic = true;  // the torque -w x (I w) of a tumbling body
 };
 
 /// Feedback of joint errors in the methods with Lagrange multipliers: C'' = -ks C - kd C' (report, 5.36).

@@ -3,61 +3,115 @@
 #include <cmath>
 #include <limits>
 
-#include "odeval/error.hpp"
-#include "reference/bodies/rotation.hpp"
+#include "reference/bodies/free_body.hpp"
 
 namespace odeval::reference {
 namespace {
 
-constexpr double rounding = 4 * std::numeric_limits<double>::epsilon();
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+constexpr double rounding = 4 * epsilon;
 
-/// Whether the spin lies along a principal axis, so that it stays.
-bool spins_steadily(const Body& body) {
-  const Vec3 moments = body.inertia_kgm2();
-  const Vec3 spin = turned_back(rotation_of(body.turn_rad), body.spin_rad_s);
-  const Vec3 torque = cross(spin, {moments[0] * spin[0], moments[1] * spin[1], moments[2] * spin[2]});
-  return dot(torque, torque) == 0;
+double length(const Vec3& v) { return std::sqrt(dot(v, v)); }
+
+/// Angle between two attitudes that are close: |R - R'|_F = sqrt(8) sin(angle / 2).
+double angle_between(const Rotation& a, const Rotation& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) sum += (a[i][j] - b[i][j]) * (a[i][j] - b[i][j]);
+  }
+  return 2 * std::asin(std::fmin(std::sqrt(sum / 8), 1.0));
 }
+
+/// One body's rotation, and the same with each moment and each component of its spin a little off: by how much the
+/// motion itself makes of the rounding of what it starts from.
+class Rotating {
+ public:
+  explicit Rotating(const Body& body) : motion_(body.inertia_kgm2(), attitude(body), body.spin_rad_s) {
+    if (motion_.steady()) return;
+    for (std::size_t i = 0; i < 3; ++i) {
+      Vec3 moments = body.inertia_kgm2();
+      for (double& moment : moments) {  // those that are equal are so by symmetry, and stay equal
+        if (moment == body.inertia_kgm2()[i]) moment *= 1 + nudge;
+      }
+      beside_.emplace_back(moments, attitude(body), body.spin_rad_s);
+      Vec3 own = turned_back(attitude(body), body.spin_rad_s);
+      own[i] += nudge * length(own);
+      beside_.emplace_back(body.inertia_kgm2(), attitude(body), turned(attitude(body), own));
+    }
+  }
+
+  FreeBody::Turning at(double t) const { return motion_.at(t); }
+
+  struct Doubt {
+    double turn_rad;
+    double spin_rad_s;
+  };
+  Doubt doubt(double t) const {
+    const FreeBody::Turning here = motion_.at(t);
+    const double spin = length(here.spin_rad_s);
+    Doubt doubt{rounding * (1 + t * spin), rounding * spin};
+    for (const FreeBody& other : beside_) {
+      const FreeBody::Turning there = other.at(t);
+      const Vec3 between{there.spin_rad_s[0] - here.spin_rad_s[0], there.spin_rad_s[1] - here.spin_rad_s[1],
+                         there.spin_rad_s[2] - here.spin_rad_s[2]};
+      doubt.turn_rad += rounding / nudge * angle_between(here.attitude, there.attitude);
+      doubt.spin_rad_s += rounding / nudge * length(between);
+    }
+    return doubt;
+  }
+
+ private:
+  static Rotation attitude(const Body& body) { return rotation_of(body.turn_rad); }
+  static constexpr double nudge = 256 * epsilon;  // so that the rounding of the two motions does not show
+
+  FreeBody motion_;
+  std::vector<FreeBody> beside_;
+};
 
 class FreeBodies final : public BodyMotion {
  public:
   explicit FreeBodies(const Scenario& scenario) : bodies_(scenario.bodies), gravity_(scenario.gravity) {
-    for (const Body& body : bodies_) {
-      if (!spins_steadily(body)) throw UserError(scenario.name + ": bodies: spin must lie along a principal axis");
-    }
+    for (const Body& body : bodies_) rotating_.emplace_back(body);
   }
 
   void at(double t, std::span<BodyState> states) const override {
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       const Body& body = bodies_[i];
+      const FreeBody::Turning turning = rotating_[i].at(t);
       BodyState& state = states[i] = BodyState{};
       for (std::size_t k = 0; k < 3; ++k) {
         const double fall = k == 2 ? gravity_ : 0;
         state.position[k] = body.position_m[k] + t * (body.velocity_m_s[k] - fall * t / 2);
         state.velocity[k] = body.velocity_m_s[k] - fall * t;
-        state.spin[k] = body.spin_rad_s[k];
+        state.spin[k] = turning.spin_rad_s[k];
       }
-      const Vec3 turn{body.spin_rad_s[0] * t, body.spin_rad_s[1] * t, body.spin_rad_s[2] * t};
-      put(product(rotation_of(turn), rotation_of(body.turn_rad)), state.rotation);
+      put(turning.attitude, state.rotation);
     }
   }
 
   BodyDoubt doubt(double t) const override {
     BodyDoubt doubt;
-    for (const Body& body : bodies_) {
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      const Body& body = bodies_[i];
       for (std::size_t k = 0; k < 3; ++k) {
         const double way = std::fabs(body.position_m[k]) + t * (std::fabs(body.velocity_m_s[k]) + gravity_ * t / 2);
         doubt.position_m = std::fmax(doubt.position_m, rounding * way);
       }
-      doubt.turn_rad = std::fmax(doubt.turn_rad, rounding * (1 + t * std::sqrt(dot(body.spin_rad_s, body.spin_rad_s))));
+      const Rotating::Doubt of_turning = rotating_[i].doubt(t);
+      doubt.turn_rad = std::fmax(doubt.turn_rad, of_turning.turn_rad);
+      doubt.spin_rad_s = std::fmax(doubt.spin_rad_s, of_turning.spin_rad_s);
     }
     return doubt;
   }
 
-  std::string described() const override { return "closed form: parabola, and spin about a principal axis"; }
+  std::string described() const override {
+    return "closed form: a parabola, and Euler's equations in Jacobi elliptic functions; uncertainty from rounding of "
+           "the start and the moments, as the motion makes it grow";
+  }
 
  private:
   std::vector<Body> bodies_;
+  std::vector<Rotating> rotating_;
   double gravity_;
 };
 

@@ -17,6 +17,7 @@ struct MotionRow {
 /// The one table of true motions, a row a problem of the family.
 constexpr std::array motions{
     MotionRow{"free_box", make_free_bodies},
+    MotionRow{"thin_body", make_free_bodies},
 };
 
 }  // namespace

@@ -14,6 +14,7 @@ namespace odeval::reference {
 struct BodyDoubt {
   double position_m = 0;
   double turn_rad = 0;
+  double spin_rad_s = 0;
 };
 
 /// Where a scenario's bodies are at any time from one step before the start on (the half-step start asks for that).

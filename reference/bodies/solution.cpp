@@ -46,6 +46,7 @@ Reference solve_body_reference(const Scenario& scenario, const SampleGrid& grid)
   Reference reference;
   Trace& trace = reference.trace;
   trace.bodies.resize(scenario.bodies.size());
+  trace.long_axis_spin.resize(scenario.bodies.size());
   std::vector<BodyState> states(scenario.bodies.size());
   for (long k = 0; k < grid.rows; ++k) {
     const double t = grid.time(k);
@@ -57,10 +58,15 @@ Reference solve_body_reference(const Scenario& scenario, const SampleGrid& grid)
       store(trace.bodies[i].velocity, states[i].velocity);
       store(trace.bodies[i].spin, states[i].spin);
       store(trace.bodies[i].joint_force, states[i].joint_force);
+      const std::size_t axis = scenario.bodies[i].long_axis();
+      const double* const r = states[i].rotation;
+      trace.long_axis_spin[i].push_back(
+          dot({r[axis], r[3 + axis], r[6 + axis]}, {states[i].spin[0], states[i].spin[1], states[i].spin[2]}));
     }
     const BodyDoubt doubt = motion->doubt(t);
     reference.uncertainty_position.push_back(doubt.position_m);
     reference.uncertainty_turn.push_back(doubt.turn_rad);
+    reference.uncertainty_spin.push_back(doubt.spin_rad_s);
   }
   reference.impacts = motion->impacts(grid.time(grid.rows - 1));
   reference.described = motion->described();

@@ -27,6 +27,7 @@ OdeStepSettings step_settings(const Scenario& scenario) {
   settings.bounce_vel = scenario.ode.bounce_vel;
   settings.max_correcting_vel = scenario.ode.max_correcting_vel;
   settings.surface_layer = scenario.ode.surface_layer;
+  settings.gyroscopic = scenario.ode.gyroscopic ? Gyroscopic::implicit_linear : Gyroscopic::none;
   return settings;
 }
 

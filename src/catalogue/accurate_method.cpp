@@ -33,7 +33,9 @@ std::unique_ptr<engine_ode::WorldStepper> stepper(const engine_ode::SteppedWorld
 }  // namespace
 
 std::unique_ptr<Simulation> make_accurate(const Scenario& scenario, const SampleGrid& grid) {
-  return engine_ode::odeval_ode_double().make_stepped(scenario, grid, &stepper);
+  Scenario whole = scenario;
+  whole.ode.gyroscopic = true;  // of [ode] it obeys the bounce alone
+  return engine_ode::odeval_ode_double().make_stepped(whole, grid, &stepper);
 }
 
 }  // namespace odeval::catalogue

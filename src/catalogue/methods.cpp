@@ -7,6 +7,7 @@
 #include "engine_ode/module.hpp"
 #include "odeval/error.hpp"
 #include "reference/analytic.hpp"
+#include "reference/bodies/newton_euler.hpp"
 #include "reference/bodies/solution.hpp"
 #include "reference/cvode.hpp"
 #include "reference/dh_ode45.hpp"
@@ -44,6 +45,14 @@ bool one_or_two_links_without_wall(const Problem& problem) { return problem.link
 bool one_link_or_no_wall(const Problem& problem) { return problem.links == 1 || without_wall(problem); }
 bool closed_form(const Problem& problem) { return problem.links == 1 || problem.family == Family::bodies; }
 
+bool in_free_flight(const Problem& problem) { return problem.name == "free_box" || problem.name == "thin_body"; }
+bool pendulums_or_free(const Problem& problem) { return pendulums(problem) || in_free_flight(problem); }
+
+std::unique_ptr<Simulation> make_cvode(const Scenario& scenario, const SampleGrid& grid) {
+  return scenario.family() == Family::bodies ? reference::make_free_cvode(scenario, grid)
+                                             : reference::make_cvode(scenario, grid);
+}
+
 std::unique_ptr<Simulation> make_analytic(const Scenario& scenario, const SampleGrid& grid) {
   return scenario.family() == Family::bodies ? reference::make_body_analytic(scenario, grid)
                                              : reference::make_analytic(scenario, grid);
@@ -69,7 +78,7 @@ constexpr std::array table{
     Method{"ode-rk4-double", "ODE bodies and joints", "odeval's Runge-Kutta step beside ODE's collision detection",
            cartesian, 4, 0, 0, every, make_accurate, Settings::ode_bounce, hinge_rows},
     Method{reference_method, "closed-form Lagrangian", "SUNDIALS CVODE, Adams: the reference", generalized, 0,
-           reference::tight_tolerances.rtol, reference::tight_tolerances.atol, pendulums, reference::make_cvode,
+           reference::tight_tolerances.rtol, reference::tight_tolerances.atol, pendulums_or_free, make_cvode,
            Settings::none, mass_matrix},
     Method{"lagrange-quad", "closed-form Lagrangian", "extrapolation in quad precision: certifies the reference",
            generalized, 0, 0, 0, one_or_two_links_without_wall, reference::make_quad, Settings::none, mass_matrix},

@@ -58,6 +58,7 @@ void Scene::set_world(const Scenario& scenario) {
   dWorldSetQuickStepW(world_, real(ode.sor_w));
   dWorldSetContactMaxCorrectingVel(world_, real_or_infinity(ode.max_correcting_vel));
   dWorldSetContactSurfaceLayer(world_, real(ode.surface_layer));
+  gyroscopic_ = ode.gyroscopic;  // of bodies, not of the world
   dWorldSetAutoDisableFlag(world_, 0);
   dWorldSetLinearDamping(world_, 0);
   dWorldSetAngularDamping(world_, 0);
@@ -66,7 +67,7 @@ void Scene::set_world(const Scenario& scenario) {
 
 dBodyID Scene::add_body(const dMass& mass, dGeomID geom) {
   const dBodyID body = dBodyCreate(world_);
-  dBodySetGyroscopicMode(body, 1);
+  dBodySetGyroscopicMode(body, gyroscopic_ ? 1 : 0);
   dBodySetFiniteRotationMode(body, 0);
   dBodySetMass(body, &mass);
   dGeomSetBody(geom, body);

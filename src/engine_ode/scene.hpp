@@ -63,6 +63,7 @@ class Scene {
   std::vector<BodyView> bodies_;
   std::vector<std::unique_ptr<dJointFeedback>> feedback_;  // ODE keeps pointers to them
   dSurfaceParameters surface_{};
+  bool gyroscopic_ = true;
   int contacts_ = 0;
   double depth_ = 0;
 };

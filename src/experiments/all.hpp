@@ -28,6 +28,8 @@ Section table_5_2(Laboratory& laboratory, Findings& findings);
 Section work_precision(Laboratory& laboratory, Findings& findings);
 Section conditioning(Laboratory& laboratory, Findings& findings);
 Section orientation(Laboratory& laboratory, Findings& findings);
+Section free_box(Laboratory& laboratory, Findings& findings);
+Section thin_body(Laboratory& laboratory, Findings& findings);
 Section remedy(Laboratory& laboratory, Findings& findings);
 Section chain(Laboratory& laboratory, Findings& findings);
 Section quickstep_chain(Laboratory& laboratory, Findings& findings);

@@ -31,6 +31,8 @@ constexpr std::array table{
     Experiment{"conditioning", "What CFM does for the system to be solved", conditioning},
     Experiment{"orientation", "A quaternion or a rotation matrix?", orientation},
     Experiment{"feedback-term", "What the feedback term keeps together", feedback_term},
+    Experiment{"free-box", "A free box: Gazebo's boxes benchmark", free_box},
+    Experiment{"thin-body", "Long thin bodies and their long axis", thin_body},
     Experiment{"remedy", "A fourth-order step beside ODE's collision detection", remedy},
     Experiment{"iftomm", "The pendulum of the IFToMM benchmark", iftomm},
     Experiment{"potra", "Two points against a wall (Potra et al. 2006)", potra},

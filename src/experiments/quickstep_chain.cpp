@@ -70,7 +70,7 @@ Section quickstep_chain(Laboratory& laboratory, Findings& findings) {
       const Metrics metrics = evaluator.measure(run, until_s);
       const double run_error = metrics.max_error_q.value_or(NAN);
       table.rows.push_back({std::string(iterative), static_cast<double>(count), over_relaxation, finite(run_error),
-                            finite(run_error / error), finite(metrics.max_gap), cost_a_step(run)});
+                            finite(run_error / error), finite(metrics.max_gap.value_or(NAN)), cost_a_step(run)});
       of_error.x.push_back(count);
       of_error.y.push_back(run_error);
       of_cost.x.push_back(cost_a_step(run));

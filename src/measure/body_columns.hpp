@@ -34,4 +34,10 @@ inline void store_body(BodyColumns& columns, std::size_t row, const BodyState& b
   store(columns.joint_force, body.joint_force);
 }
 
+/// Spin about one of the body's own axes, rad/s.
+inline double spin_along(const BodyState& body, std::size_t axis) {
+  return body.spin[0] * body.rotation[axis] + body.spin[1] * body.rotation[3 + axis] +
+         body.spin[2] * body.rotation[6 + axis];
+}
+
 }  // namespace odeval

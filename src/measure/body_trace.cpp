@@ -50,6 +50,7 @@ Trace body_trace(const Scenario& scenario, const SampleGrid& grid, const Rows& r
   resize_bodies(trace, count, rows.count());
   for (Column* column : {&trace.t, &trace.kinetic, &trace.potential, &trace.contacts}) column->resize(rows.count());
   if (torque_free) trace.angular_momentum_drift.resize(rows.count());
+  trace.long_axis_spin.assign(count, Column(rows.count()));
 
   std::vector<Vec3> start(count);
   for (std::size_t k = 0; k < rows.count(); ++k) {
@@ -64,6 +65,7 @@ Trace body_trace(const Scenario& scenario, const SampleGrid& grid, const Rows& r
       trace.potential[k] += what.mass_kg * scenario.gravity * body.position[2];
       if (k == 0) start[i] = turned.momentum;
       if (torque_free) trace.angular_momentum_drift[k] += distance(turned.momentum, start[i]);
+      trace.long_axis_spin[i][k] = spin_along(body, what.long_axis());
       store_body(trace.bodies[i], k, body);
     }
     trace.contacts[k] = rows.row(k)[count * body_numbers];

@@ -30,6 +30,7 @@ struct LinkState {
   double kinetic;
   double potential;
   double out_of_plane;
+  double long_axis_spin;
   Vec3 near_end;
   Vec3 far_end;
 };
@@ -66,6 +67,7 @@ class LinkMeter {
                            inertia_across_ * w_across * w_across + inertia_hinge_ * w_hinge * w_hinge);
     state.potential = weight_ * from_hinge[2];
     state.out_of_plane = std::fabs(dot(from_hinge, axis_));
+    state.long_axis_spin = w_along;
     state.near_end = shifted(x, -to_near_, along);
     state.far_end = shifted(x, to_far_, along);
     return state;
@@ -95,6 +97,7 @@ Trace sized_trace(std::size_t links, std::size_t rows) {
        {&trace.t, &trace.kinetic, &trace.potential, &trace.gap, &trace.out_of_plane, &trace.contacts}) {
     column->resize(rows);
   }
+  trace.long_axis_spin.assign(links, Column(rows));
   resize_bodies(trace, links, rows);
   return trace;
 }
@@ -134,6 +137,7 @@ Trace cartesian_trace(const Scenario& scenario, const SampleGrid& grid, const Ro
       trace.gap[k] = greater(trace.gap[k], length(minus(state.near_end, anchor)));
       anchor = state.far_end;
 
+      trace.long_axis_spin[i][k] = state.long_axis_spin;
       store_body(trace.bodies[i], k, body);
     }
     trace.contacts[k] = row[links * body_numbers];

@@ -117,6 +117,22 @@ void measure_reactions(const Trace& trace, const Reference& reference, std::size
   metrics.max_reaction_error = std::sqrt(max_squared);
 }
 
+// Links swing in a plane, so that their reference has no spin about their length; free bodies may have one.
+void measure_long_axis_spin(const Trace& trace, const Reference& reference, std::size_t rows, Metrics& metrics) {
+  if (trace.long_axis_spin.empty()) return;
+  const std::vector<Column>& wanted = reference.trace.long_axis_spin;
+  double most = 0;
+  for (std::size_t i = 0; i < trace.long_axis_spin.size(); ++i) {
+    for (std::size_t k = 0; k < rows; ++k) {
+      most = std::max(most, size_of(trace.long_axis_spin[i][k] - (wanted.empty() ? 0 : wanted[i][k])));
+    }
+  }
+  metrics.max_long_axis_spin = most;
+  if (!reference.uncertainty_spin.empty()) {
+    metrics.spin_uncertainty = largest(reference.uncertainty_spin, rows_until(reference.trace.t, metrics.until_s));
+  }
+}
+
 // The trace ends where the reference still has rows: it is lost at the first row it lacks.
 void count_as_lost(const Trace& trace, const Reference& reference, Metrics& metrics) {
   if (!trace.error_q.empty()) {
@@ -125,8 +141,9 @@ void count_as_lost(const Trace& trace, const Reference& reference, Metrics& metr
       metrics.divergence_time = reference.trace.t[trace.rows()];
   }
   metrics.max_energy_drift = metrics.rms_energy_drift = metrics.final_energy_drift = infinity;
-  for (std::optional<double>* metric : {&metrics.max_reaction_error, &metrics.max_error_position,
-                                        &metrics.max_error_turn, &metrics.max_angular_momentum_drift}) {
+  for (std::optional<double>* metric :
+       {&metrics.max_reaction_error, &metrics.max_error_position, &metrics.max_error_turn,
+        &metrics.max_angular_momentum_drift, &metrics.max_long_axis_spin}) {
     if (*metric) *metric = infinity;
   }
 }
@@ -161,6 +178,7 @@ Metrics measure(const Trace& trace, const Reference* reference, double until_s) 
     if (!trace.error_q.empty()) measure_errors(trace, *reference, rows, metrics);
     if (!trace.error_position.empty()) measure_body_errors(trace, *reference, rows, metrics);
     measure_reactions(trace, *reference, rows, metrics);
+    measure_long_axis_spin(trace, *reference, rows, metrics);
     if (rows_until(reference->trace.t, until_s) > rows) count_as_lost(trace, *reference, metrics);
   }
   return metrics;

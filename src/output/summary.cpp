@@ -39,7 +39,8 @@ Json json_of(const Body& body) {
           {"position", json_of(body.position_m)},
           {"turn", json_of(body.turn_rad)},
           {"velocity", json_of(body.velocity_m_s)},
-          {"spin", json_of(body.spin_rad_s)}};
+          {"spin", json_of(body.spin_rad_s)},
+          {"aspect", body.aspect}};
 }
 
 Json json_of(const Impact& impact) {
@@ -62,6 +63,7 @@ Json ode_settings(const Scenario& scenario) {
   json["surface_layer"] = ode.surface_layer;
   json["start"] = ode.start == Start::half_step ? "half-step" : "as-given";
   json["seed"] = ode.seed;
+  json["gyroscopic"] = ode.gyroscopic ? "on" : "off";
   return json;
 }
 

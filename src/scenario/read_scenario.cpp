@@ -60,6 +60,8 @@ class Reader {
     if (scenario_.family() == Family::pendulum) {
       settle_chain(tree);
       settle_depths(tree);
+    } else {
+      make_thin();
     }
     check_against_problem(tree);
     check_tolerances();
@@ -143,6 +145,20 @@ class Reader {
         scenario_.tolerances.emplace_back();
       }
       read_table(*table, name, path);
+    }
+  }
+
+  /// What `aspect` says goes into the sides, which are held to the least size again.
+  void make_thin() {
+    constexpr double least_m = 1e-4;
+    for (std::size_t i = 0; i < scenario_.bodies.size(); ++i) {
+      Body& body = scenario_.bodies[i];
+      for (const std::size_t side : {0, 1}) {
+        body.size_m[side] /= body.aspect;
+        if (body.size_m[side] >= least_m) continue;
+        fail(fmt::format("bodies.{}.aspect", i), fmt::format("{}", body.aspect),
+             fmt::format("makes a side {:.6g} m thin; it must leave at least {} m", body.size_m[side], least_m));
+      }
     }
   }
 

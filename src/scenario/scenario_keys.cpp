@@ -18,6 +18,7 @@ std::vector<std::string> problem_names(const Names&) {
 }
 std::vector<std::string> shape_names(const Names&) { return {"box", "sphere"}; }
 std::vector<std::string> start_names(const Names&) { return {"as-given", "half-step"}; }
+std::vector<std::string> switch_names(const Names&) { return {"on", "off"}; }
 std::vector<std::string> method_names(const Names& names) { return names.methods; }
 std::vector<std::string> metric_names(const Names& names) { return names.metrics; }
 
@@ -97,6 +98,8 @@ constexpr KeyRow rows[] = {
       [](S& s, const V& v) { s.bodies.back().velocity_m_s = vector(v); }, 3},
   {"bodies", "spin",     numbers, "rad/s", -1e3, 1e3,  false, nullptr, "0", "about the world's axes at t = 0",
       [](S& s, const V& v) { s.bodies.back().spin_rad_s = vector(v); }, 3},
+  {"bodies", "aspect",   number,  "",      1, 1e4,     false, nullptr, "1", "length over thickness: divides the sides x and y of size",
+      [](S& s, const V& v) { s.bodies.back().aspect = v.number; }},
 
   {"ground", "slope",       number, "rad", -1.5, 1.5, false, nullptr, "0", "how steeply the ground falls towards +x",
       [](S& s, const V& v) { s.ground->slope_rad = v.number; }},
@@ -123,6 +126,8 @@ constexpr KeyRow rows[] = {
       [](S& s, const V& v) { s.ode.start = v.word == "half-step" ? Start::half_step : Start::as_given; }},
   {"ode", "seed",               whole,  "",       0, 4294967295, false, nullptr, "0", "of ODE's random numbers (QuickStep)",
       [](S& s, const V& v) { s.ode.seed = static_cast<std::uint32_t>(v.number); }},
+  {"ode", "gyroscopic",         word,   "",       0, 0,          false, switch_names, "on", "the torque -w x (I w) that makes a body tumble",
+      [](S& s, const V& v) { s.ode.gyroscopic = v.word == "on"; }},
 
   {"maximal", "ks", number, "1/s²", 0, 1e14, false, nullptr, "400", "feedback of a joint's position error",
       [](S& s, const V& v) { s.maximal.ks = v.number; }},

@@ -197,7 +197,7 @@ void check_long_chain() {
     const catalogue::Evaluation run = evaluator.evaluate(catalogue::find_method(method));
     const Metrics metrics = evaluator.measure(run, 1.0);
     std::printf("%s: error %.3g +- %.1g rad, gap %.3g m, out of plane %.3g m, %s\n", method, *metrics.max_error_q,
-                *metrics.reference_uncertainty, metrics.max_gap, metrics.max_out_of_plane,
+                *metrics.reference_uncertainty, *metrics.max_gap, *metrics.max_out_of_plane,
                 run.outcome.diverged ? run.outcome.reason.c_str() : "ok");
     CHECK(!run.outcome.diverged);
     CHECK_EQUAL(run.outcome.steps, 1000);
@@ -221,7 +221,7 @@ void check_joint_forces(std::size_t n, const char* method, double low, double hi
     const Metrics metrics = evaluator.measure(run, 1.0);
     points.push_back({h, *metrics.max_reaction_error, 1e-9});
     std::printf("n = %zu, %s, h = %g: force error %.4g N (ratio %.3f), gap %.3g m\n", n, method, h,
-                *metrics.max_reaction_error, before / *metrics.max_reaction_error, metrics.max_gap);
+                *metrics.max_reaction_error, before / *metrics.max_reaction_error, *metrics.max_gap);
     before = *metrics.max_reaction_error;
     CHECK_EQUAL(metrics.max_out_of_plane, 0.0);
   }

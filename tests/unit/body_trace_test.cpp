@@ -89,6 +89,25 @@ void errors() {
   CHECK(judge({"any", "max_error_turn", 1, 1.1, {}}, metrics) == Judgement::failed);
 }
 
+// About the longest side, z, as it lies in the world; against a reference that spins about it as well.
+void long_axis_spin() {
+  const Scenario scenario = one_box();
+  const SampleGrid grid = sample_grid(scenario);
+  constexpr double quarter_turn = std::numbers::pi / 2;
+  Trace trace = body_trace(scenario, grid, rows_of({state({}, {1, 2, 3}), state({0, quarter_turn, 0}, {1, 2, 3})}));
+  CHECK_NEAR(trace.long_axis_spin[0][0], 3, rounding);
+  CHECK_NEAR(trace.long_axis_spin[0][1], 1, rounding);  // z lies along x
+  Reference reference;
+  reference.trace = body_trace(scenario, grid, rows_of({state({}, {0, 0, 3}), state({}, {0, 0, 3.5})}));
+  reference.uncertainty_position = reference.uncertainty_turn = {0, 0};
+  reference.uncertainty_spin = {0, 0.5};
+  compare(trace, reference);
+  const Metrics metrics = measure(trace, &reference, 1);
+  CHECK_NEAR(metrics.max_long_axis_spin.value_or(0), 2.5, rounding);
+  CHECK_EQUAL(metrics.spin_uncertainty.value_or(0), 0.5);
+  CHECK(judge({"any", "max_long_axis_spin", 1, 2.7, {}}, metrics) == Judgement::undecided);
+}
+
 // Semi-implicit Euler falls by g h t / 2 too far; started half a step early it does not.
 void fall() {
   Scenario scenario = one_box();
@@ -109,6 +128,7 @@ void fall() {
 int main() {
   energies_and_momentum();
   errors();
+  long_axis_spin();
   fall();
   return test::verdict();
 }

@@ -335,9 +335,11 @@ void the_table_reads_every_metric() {
   metrics.position_uncertainty = 13;
   metrics.turn_uncertainty = 14;
   metrics.max_angular_momentum_drift = 15;
+  metrics.max_long_axis_spin = 16;
+  metrics.spin_uncertainty = 17;
   double expected = 0;
   for (const MetricRow& row : metric_table()) CHECK_EQUAL(row.value(metrics).value_or(0), ++expected);
-  CHECK_EQUAL(expected, 15.0);
+  CHECK_EQUAL(expected, 17.0);
   CHECK(metric_named("max_gap") != nullptr);
   CHECK(metric_named("max_gape") == nullptr);
 }
