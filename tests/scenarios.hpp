@@ -2,6 +2,7 @@
 // Scenarios for tests, filled by hand, and short ways to run them.
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <string_view>
 
 #include "catalogue/evaluation.hpp"
@@ -9,6 +10,12 @@
 namespace odeval::test {
 
 inline const Problem* problem(std::string_view name) { return &*std::ranges::find(problems, name, &Problem::name); }
+
+/// The problems of that family alone.
+inline auto problems_of(Family family) {
+  return problems | std::views::filter([family](const Problem& problem) { return problem.family == family; });
+}
+inline auto pendulums() { return problems_of(Family::pendulum); }
 
 /// The report's values (claims: Parameters), with the engine settings of its C.4 where it gives them.
 inline Scenario report_scenario(std::string_view name, double duration_s, double step_s) {

@@ -21,9 +21,14 @@ struct Metrics {
   double max_energy_drift = 0;  // J, largest |energy - energy at t = 0|
   double rms_energy_drift = 0;
   double final_energy_drift = 0;             // signed
-  double max_gap = 0;                        // m
-  double max_out_of_plane = 0;               // m
+  std::optional<double> max_gap;             // m
+  std::optional<double> max_out_of_plane;    // m
   std::optional<double> max_reaction_error;  // N, samples without contact
+  std::optional<double> max_error_position;  // m
+  std::optional<double> max_error_turn;      // rad
+  std::optional<double> position_uncertainty;
+  std::optional<double> turn_uncertainty;
+  std::optional<double> max_angular_momentum_drift;  // N m s
 };
 
 struct MetricRow {
@@ -31,20 +36,27 @@ struct MetricRow {
   std::string_view unit;
   std::string_view meaning;
   std::optional<double> (*value)(const Metrics&);  // empty: no meaning here, or never happened
+  std::string_view doubt =
+      {};  // the metric that bounds how far the reference itself is off; empty: no error against it
 };
 
 // clang-format off
 inline constexpr MetricRow metric_rows[] = {
-  {"max_error_q",           "rad", "largest angle error",                              [](const Metrics& m) { return m.max_error_q; }},
-  {"rms_error_q",           "rad", "root mean square of the angle errors",             [](const Metrics& m) { return m.rms_error_q; }},
+  {"max_error_q",           "rad", "largest angle error",                              [](const Metrics& m) { return m.max_error_q; }, "reference_uncertainty"},
+  {"rms_error_q",           "rad", "root mean square of the angle errors",             [](const Metrics& m) { return m.rms_error_q; }, "reference_uncertainty"},
   {"reference_uncertainty", "rad", "bound on the reference's own angle error",         [](const Metrics& m) { return m.reference_uncertainty; }},
   {"divergence_time",       "s",   "first sample with an angle error above 0.1 rad",   [](const Metrics& m) { return m.divergence_time; }},
   {"max_energy_drift",      "J",   "largest difference from the energy at t = 0",      [](const Metrics& m) { return std::optional(m.max_energy_drift); }},
   {"rms_energy_drift",      "J",   "root mean square of that difference",              [](const Metrics& m) { return std::optional(m.rms_energy_drift); }},
   {"final_energy_drift",    "J",   "that difference at the end, with its sign",        [](const Metrics& m) { return std::optional(m.final_energy_drift); }},
-  {"max_gap",               "m",   "largest distance between the anchors of a joint",  [](const Metrics& m) { return std::optional(m.max_gap); }},
-  {"max_out_of_plane",      "m",   "largest distance of a body from the plane",        [](const Metrics& m) { return std::optional(m.max_out_of_plane); }},
+  {"max_gap",               "m",   "largest distance between the anchors of a joint",  [](const Metrics& m) { return m.max_gap; }},
+  {"max_out_of_plane",      "m",   "largest distance of a body from the plane",        [](const Metrics& m) { return m.max_out_of_plane; }},
   {"max_reaction_error",    "N",   "largest joint force error at samples without contact", [](const Metrics& m) { return m.max_reaction_error; }},
+  {"max_error_position",    "m",   "largest distance of a body from the reference",    [](const Metrics& m) { return m.max_error_position; }, "position_uncertainty"},
+  {"max_error_turn",        "rad", "largest angle between a body's attitude and the reference's", [](const Metrics& m) { return m.max_error_turn; }, "turn_uncertainty"},
+  {"position_uncertainty",  "m",   "bound on the reference's own distance",            [](const Metrics& m) { return m.position_uncertainty; }},
+  {"turn_uncertainty",      "rad", "bound on the reference's own angle of attitude",   [](const Metrics& m) { return m.turn_uncertainty; }},
+  {"max_angular_momentum_drift", "N m s", "largest change of the angular momentum about the centres", [](const Metrics& m) { return m.max_angular_momentum_drift; }},
 };
 // clang-format on
 

@@ -30,12 +30,20 @@ struct PlanarFrame {
   constexpr Vec3 axis() const { return cross(horizontal, up); }
 };
 
+/// What a problem is made of, and so which tables of a scenario file it has.
+enum class Family {
+  pendulum,  // links on hinges in a plane: q0, qd0, [[links]], [wall]
+  bodies,    // bodies in space, alone or on a ground: [[bodies]], [ground]
+};
+
 struct Problem {
   std::string_view name;
   std::string_view summary;
   int links;
   bool wall;
   PlanarFrame frame;
+  Family family = Family::pendulum;
+  bool ground = false;  // of bodies: whether there is something to lie on
 };
 
 /// Report C.2: boxes hang along -z of their own frame and turn about x.
@@ -44,11 +52,16 @@ inline constexpr PlanarFrame hanging_frame{
 /// Report C.5: the box lies along +x of its own frame and turns about y.
 inline constexpr PlanarFrame lying_frame{{1, 0, 3}, {1, 0, 0}, {0, 0, 1}, {0, 1, 0}, {1, 0, 0}, {0, 0, 1}, 0};
 
+/// Bodies: pictures look along +y, with x to the right and z up.
+inline constexpr PlanarFrame body_frame{{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {0, 1, 0}, {0, 0, 1}, {1, 0, 0}, 0};
+
 /// The one table of problems; everything that names a problem reads it.
-inline constexpr std::array<Problem, 3> problems{{
+inline constexpr std::array<Problem, 4> problems{{
     {"single_pendulum", "one link on one hinge; closed form in elliptic functions", 1, false, hanging_frame},
     {"double_pendulum", "two links on two hinges; chaotic", 2, false, hanging_frame},
     {"wall_pendulum", "one link that swings against a wall; closed form between impacts", 1, true, lying_frame},
+    {"free_box", "bodies that nothing touches; closed form in elliptic functions", 0, false, body_frame,
+     Family::bodies},
 }};
 
 }  // namespace odeval

@@ -1,5 +1,6 @@
 #pragma once
 // What is simulated and with which settings: one TOML file, checked, with the command line on top.
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -21,6 +22,36 @@ struct Link {
   double inertia_kgm2() const { return mass_kg * (length_m * length_m + width_m * width_m) / 12.0; }
 };
 
+enum class Shape { box, sphere };
+
+/// A uniform rigid body. World frame; its own axes are the world's, turned by `turn`.
+struct Body {
+  Shape shape = Shape::box;
+  double mass_kg = 0;
+  Vec3 size_m{};        // sides along its own axes; of a sphere the diameter, three times
+  Vec3 position_m{};    // of its centre
+  Vec3 turn_rad{};      // rotation vector
+  Vec3 velocity_m_s{};  // of its centre
+  Vec3 spin_rad_s{};
+
+  /// Moments of inertia about its own axes through the centre, kg m².
+  Vec3 inertia_kgm2() const {
+    const auto [x, y, z] = size_m;
+    if (shape == Shape::sphere) return {mass_kg * x * x / 10, mass_kg * y * y / 10, mass_kg * z * z / 10};
+    return {mass_kg * (y * y + z * z) / 12, mass_kg * (z * z + x * x) / 12, mass_kg * (x * x + y * y) / 12};
+  }
+};
+
+/// A plane through the origin that falls towards +x, and that nothing passes.
+struct Ground {
+  double slope_rad = 0;
+  double restitution = 0;
+
+  /// Unit, away from what is solid.
+  Vec3 normal() const { return {std::sin(slope_rad), 0, std::cos(slope_rad)}; }
+  Vec3 downhill() const { return {std::cos(slope_rad), 0, -std::sin(slope_rad)}; }
+};
+
 /// A flat wall that fills x <= face (world frame, the hinge is at x = 1 as in the report).
 struct Wall {
   double face_m = 0;
@@ -35,7 +66,7 @@ struct OdeSettings {
   double cfm = 1e-5;
   int iterations = 20;
   double sor_w = 1.3;
-  std::optional<double> bounce;  // absent: the wall's restitution
+  std::optional<double> bounce;  // absent: the restitution of wall or ground
   double bounce_vel = 0;
   double max_correcting_vel = std::numeric_limits<double>::infinity();
   double surface_layer = 0;
@@ -74,12 +105,18 @@ struct Scenario {
   std::vector<double> qd0;         // rad/s
   std::vector<Link> links;
   std::optional<Wall> wall;
+  std::vector<Body> bodies;
+  std::optional<Ground> ground;
   OdeSettings ode;
   MaximalSettings maximal;
   std::optional<double> rtol;  // absent: each adaptive method's own default
   std::optional<double> atol;
   std::vector<std::string> methods;
   std::vector<Tolerance> tolerances;
+
+  Family family() const { return problem->family; }
+  /// Of whatever the bodies strike; 0 where there is nothing.
+  double restitution() const { return wall ? wall->restitution : ground ? ground->restitution : 0; }
 };
 
 /// The rows of a trace: row k stands at time(k) = k * stride * step, computed by multiplication.

@@ -17,20 +17,23 @@ struct BodyColumns {
   std::array<Column, 3> joint_force;
 };
 
-/// K samples of n links. All columns have K rows.
+/// K samples of n links or bodies. All columns have K rows, or none where they have no meaning.
 struct Trace {
-  Column t;                         // s
-  std::vector<Column> q;            // n columns, rad, unwrapped
-  std::vector<Column> qd;           // n columns, rad/s
-  Column kinetic;                   // J
-  Column potential;                 // J, 0 with all centres at the first hinge's height
-  Column gap;                       // m, largest distance between the two anchors of a joint
-  Column out_of_plane;              // m, largest distance of a body from the plane of motion
-  std::vector<Column> error_q;      // n columns, rad, against the reference; empty without one
-  Column contacts;                  // contact joints in the step that led to the row
-  Column condition;                 // 1-norm condition number of the matrix that the formulation inverts
-  Column manipulability;            // least over largest eigenvalue of J^T J of the chain's end (report D.4)
-  std::vector<BodyColumns> bodies;  // n, or none in generalized coordinates
+  Column t;                            // s
+  std::vector<Column> q;               // n columns, rad, unwrapped
+  std::vector<Column> qd;              // n columns, rad/s
+  Column kinetic;                      // J
+  Column potential;                    // J, 0 with all centres at the first hinge's height, of bodies at z = 0
+  Column gap;                          // m, largest distance between the two anchors of a joint; empty without joints
+  Column out_of_plane;                 // m, largest distance of a body from the plane of motion
+  std::vector<Column> error_q;         // n columns, rad, against the reference; empty without one
+  std::vector<Column> error_position;  // a column a body, m, distance from the reference's centre; empty for pendulums
+  std::vector<Column> error_turn;      // a column a body, rad, angle between its attitude and the reference's
+  Column angular_momentum_drift;       // N m s, |L - L at t = 0|, each body about its centre; empty where torques act
+  Column contacts;                     // contact joints in the step that led to the row
+  Column condition;                    // 1-norm condition number of the matrix that the formulation inverts
+  Column manipulability;               // least over largest eigenvalue of J^T J of the chain's end (report D.4)
+  std::vector<BodyColumns> bodies;     // n, or none in generalized coordinates
 
   std::size_t rows() const { return t.size(); }
 };

@@ -2,9 +2,11 @@
 
 #include <ctime>
 
+#include "measure/body_trace.hpp"
 #include "measure/cartesian_trace.hpp"
 #include "measure/conditioning.hpp"
 #include "measure/metrics.hpp"
+#include "reference/bodies/solution.hpp"
 #include "reference/generalized_trace.hpp"
 #include "reference/reference_solution.hpp"
 
@@ -12,8 +14,15 @@ namespace odeval::catalogue {
 namespace {
 
 std::size_t row_width(const Method& method, const Scenario& scenario) {
+  if (scenario.family() == Family::bodies) return scenario.bodies.size() * body_numbers + 1;
   const std::size_t links = scenario.links.size();
   return method.coordinates == Coordinates::generalized ? 2 * links : links * body_numbers + 1;
+}
+
+Trace read(const Method& method, const Scenario& scenario, const SampleGrid& grid, const Rows& rows) {
+  if (scenario.family() == Family::bodies) return body_trace(scenario, grid, rows);
+  return method.coordinates == Coordinates::generalized ? reference::generalized_trace(scenario, grid, rows)
+                                                        : cartesian_trace(scenario, grid, rows);
 }
 
 // ODE's stored velocities belong to the middle of the step before (claim O1). The half-step start gives it those: the
@@ -22,6 +31,7 @@ std::unique_ptr<Simulation> make_as_asked(const Method& method, const Scenario& 
   if (method.settings != Settings::ode || scenario.ode.start != Start::half_step) {
     return method.make(scenario, grid);
   }
+  if (scenario.family() == Family::bodies) return method.make(reference::half_a_step_earlier(scenario), grid);
   Scenario earlier = scenario;
   const std::vector<double> acceleration = reference::joint_accelerations(scenario, scenario.q0, scenario.qd0);
   for (std::size_t i = 0; i < earlier.qd0.size(); ++i) earlier.qd0[i] -= acceleration[i] * scenario.step_s / 2;
@@ -47,7 +57,9 @@ Evaluator::Evaluator(Scenario scenario, std::shared_ptr<const Reference> referen
 
 const Reference& Evaluator::reference() {
   if (!reference_) {
-    reference_ = std::make_shared<const Reference>(reference::solve_reference(scenario_, grid_));
+    reference_ = std::make_shared<const Reference>(scenario_.family() == Family::bodies
+                                                       ? reference::solve_body_reference(scenario_, grid_)
+                                                       : reference::solve_reference(scenario_, grid_));
   }
   return *reference_;
 }
@@ -66,10 +78,9 @@ Evaluation Evaluator::evaluate(const Method& method, const OdeSettings& ode) {
   const double start = cpu_seconds();
   Outcome outcome = simulation->run(&rows);
   const double cpu_s = cpu_seconds() - start;
-  Trace trace = method.coordinates == Coordinates::generalized ? reference::generalized_trace(scenario_, grid_, rows)
-                                                               : cartesian_trace(scenario_, grid_, rows);
+  Trace trace = read(method, scenario_, grid_, rows);
   compare(trace, reference());
-  add_conditioning(trace, scenario_, method.inverts);
+  if (scenario_.family() == Family::pendulum) add_conditioning(trace, scenario_, method.inverts);
   return {&method, std::move(outcome), std::move(trace), cpu_s};
 }
 

@@ -7,6 +7,7 @@
 #include "engine_ode/module.hpp"
 #include "odeval/error.hpp"
 #include "reference/analytic.hpp"
+#include "reference/bodies/solution.hpp"
 #include "reference/cvode.hpp"
 #include "reference/dh_ode45.hpp"
 #include "reference/fixed_step.hpp"
@@ -37,8 +38,14 @@ constexpr MakeSimulation quickstep_single = nullptr;
 #endif
 
 bool every(const Problem&) { return true; }
-bool without_wall(const Problem& problem) { return !problem.wall; }
-bool closed_form(const Problem& problem) { return problem.links == 1; }
+bool pendulums(const Problem& problem) { return problem.family == Family::pendulum; }
+bool without_wall(const Problem& problem) { return pendulums(problem) && !problem.wall; }
+bool closed_form(const Problem& problem) { return problem.links == 1 || problem.family == Family::bodies; }
+
+std::unique_ptr<Simulation> make_analytic(const Scenario& scenario, const SampleGrid& grid) {
+  return scenario.family() == Family::bodies ? reference::make_body_analytic(scenario, grid)
+                                             : reference::make_analytic(scenario, grid);
+}
 
 constexpr auto generalized = Coordinates::generalized;
 constexpr auto cartesian = Coordinates::cartesian;
@@ -60,29 +67,29 @@ constexpr std::array table{
     Method{"ode-rk4-double", "ODE bodies and joints", "odeval's Runge-Kutta step beside ODE's collision detection",
            cartesian, 4, 0, 0, every, make_accurate, Settings::ode_bounce, hinge_rows},
     Method{reference_method, "closed-form Lagrangian", "SUNDIALS CVODE, Adams: the reference", generalized, 0,
-           reference::tight_tolerances.rtol, reference::tight_tolerances.atol, every, reference::make_cvode,
+           reference::tight_tolerances.rtol, reference::tight_tolerances.atol, pendulums, reference::make_cvode,
            Settings::none, mass_matrix},
     Method{"lagrange-quad", "closed-form Lagrangian", "extrapolation in quad precision: certifies the reference",
            generalized, 0, 0, 0, without_wall, reference::make_quad, Settings::none, mass_matrix},
     Method{"lagrange-ode45", "closed-form Lagrangian", "Dormand-Prince 5(4) as MATLAB's ode45", generalized, 0,
-           reference::ode45_rtol, reference::ode45_atol, every, reference::make_ode45, Settings::none, mass_matrix},
+           reference::ode45_rtol, reference::ode45_atol, pendulums, reference::make_ode45, Settings::none, mass_matrix},
     Method{"dh-ode45", "recursive Newton-Euler from DH parameters", "Dormand-Prince 5(4) as MATLAB's ode45",
            generalized, 0, reference::ode45_rtol, reference::ode45_atol, without_wall, reference::make_dh_ode45,
            Settings::none, mass_matrix},
-    Method{"lagrange-rk4", "closed-form Lagrangian", "classical Runge-Kutta, fixed step", generalized, 4, 0, 0, every,
-           reference::make_rk4, Settings::none, mass_matrix},
-    Method{"lagrange-euler", "closed-form Lagrangian", "explicit Euler, fixed step", generalized, 1, 0, 0, every,
+    Method{"lagrange-rk4", "closed-form Lagrangian", "classical Runge-Kutta, fixed step", generalized, 4, 0, 0,
+           pendulums, reference::make_rk4, Settings::none, mass_matrix},
+    Method{"lagrange-euler", "closed-form Lagrangian", "explicit Euler, fixed step", generalized, 1, 0, 0, pendulums,
            reference::make_euler, Settings::none, mass_matrix},
     Method{"lagrange-symplectic-euler", "closed-form Lagrangian", "symplectic Euler, fixed step", generalized, 1, 0, 0,
-           every, reference::make_symplectic_euler, Settings::none, mass_matrix},
+           pendulums, reference::make_symplectic_euler, Settings::none, mass_matrix},
     Method{"maximal-euler", "Newton-Euler with Lagrange multipliers", "explicit Euler, fixed step", cartesian, 1, 0, 0,
            without_wall, reference::make_maximal_euler, Settings::maximal, planar_joints},
     Method{"maximal-rk4", "Newton-Euler with Lagrange multipliers", "classical Runge-Kutta, fixed step", cartesian, 4,
            0, 0, without_wall, reference::make_maximal_rk4, Settings::maximal, planar_joints},
-    Method{"maximal-ode-step", "one dWorldStep rebuilt", "ODE's own scheme, fixed step", cartesian, 1, 0, 0, every,
+    Method{"maximal-ode-step", "one dWorldStep rebuilt", "ODE's own scheme, fixed step", cartesian, 1, 0, 0, pendulums,
            reference::make_maximal_ode_step, Settings::ode, hinge_rows_cfm},
-    Method{"analytic", "closed form", "Jacobi elliptic functions", generalized, 0, 0, 0, closed_form,
-           reference::make_analytic, Settings::none, mass_matrix},
+    Method{"analytic", "closed form", "elliptic functions and the like", generalized, 0, 0, 0, closed_form,
+           make_analytic, Settings::none, mass_matrix},
 };
 
 }  // namespace

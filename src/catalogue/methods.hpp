@@ -33,8 +33,13 @@ struct Method {
   SystemMatrix inverts = SystemMatrix::none;  // whose condition number the trace shows
 };
 
-/// The name of the method that every error is measured against.
+/// The name of the method that every error of a pendulum is measured against.
 inline constexpr std::string_view reference_method = "lagrange-cvode";
+
+/// The same for any problem: bodies are measured against their closed form.
+inline constexpr std::string_view reference_method_of(const Problem& problem) {
+  return problem.family == Family::bodies ? "analytic" : reference_method;
+}
 
 std::span<const Method> methods();
 

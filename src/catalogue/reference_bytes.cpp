@@ -107,7 +107,8 @@ void pass(Way& way, const std::array<Value, count>& values) {
 template <class Way, class Value>
 requires std::is_same_v<std::remove_const_t<Value>, Trace>
 void pass(Way& way, Value& trace) {
-  auto& [t, q, qd, kinetic, potential, gap, out_of_plane, error_q, contacts, condition, manipulability, bodies] = trace;
+  auto& [t, q, qd, kinetic, potential, gap, out_of_plane, error_q, error_position, error_turn, angular_momentum_drift,
+         contacts, condition, manipulability, bodies] = trace;
   pass(way, t);
   pass(way, q);
   pass(way, qd);
@@ -116,6 +117,9 @@ void pass(Way& way, Value& trace) {
   pass(way, gap);
   pass(way, out_of_plane);
   pass(way, error_q);
+  pass(way, error_position);
+  pass(way, error_turn);
+  pass(way, angular_momentum_drift);
   pass(way, contacts);
   pass(way, condition);
   pass(way, manipulability);
@@ -125,9 +129,12 @@ void pass(Way& way, Value& trace) {
 template <class Way, class Value>
 requires std::is_same_v<std::remove_const_t<Value>, Reference>
 void pass(Way& way, Value& reference) {
-  auto& [trace, uncertainty_q, joint_force, impacts, impact_uncertainty_s, at_rest_from, described] = reference;
+  auto& [trace, uncertainty_q, uncertainty_position, uncertainty_turn, joint_force, impacts, impact_uncertainty_s,
+         at_rest_from, described] = reference;
   pass(way, trace);
   pass(way, uncertainty_q);
+  pass(way, uncertainty_position);
+  pass(way, uncertainty_turn);
   pass(way, joint_force);
   pass(way, impacts);
   pass(way, impact_uncertainty_s);

@@ -14,9 +14,9 @@ RunSummary summarise(const Evaluation& run, Evaluator& evaluator) {
   summary.scenario = scenario;
   summary.grid = evaluator.grid();
   summary.method = method.name;
-  summary.is_reference = method.name == reference_method && !scenario.rtol && !scenario.atol;
+  summary.is_reference = method.name == reference_method_of(*scenario.problem) && !scenario.rtol && !scenario.atol;
   summary.uses_ode = method.settings == Settings::ode;
-  summary.uses_bounce = method.settings == Settings::ode_bounce && scenario.wall;
+  summary.uses_bounce = method.settings == Settings::ode_bounce && (scenario.wall || scenario.ground);
   summary.uses_maximal = method.settings == Settings::maximal;
   summary.rtol = in_effect(scenario.rtol, method.rtol);
   summary.atol = in_effect(scenario.atol, method.atol);

@@ -41,7 +41,9 @@ std::vector<std::string> error_metrics() {
 class ErrorOf {
  public:
   ErrorOf(const Head& head, const std::string& metric) : error_(place(head, metric)) {
-    if (metric == "max_error_q" || metric == "rms_error_q") doubt_ = place(head, "reference_uncertainty");
+    const auto table = metric_table();
+    const auto row = std::ranges::find_if(table, [&](const MetricRow& r) { return r.name == metric; });
+    if (!row->doubt.empty()) doubt_ = place(head, std::string(row->doubt));
   }
 
   double value(const Row& row) const { return std::fabs(number_in(row.cells, error_)); }
@@ -70,12 +72,6 @@ std::vector<std::string> keys_of(const Head& head) {
   return keys;
 }
 
-struct Front {
-  std::string metric;
-  std::vector<Point> points;  // of all runs that have an error and a cost
-  std::vector<Point> front;
-};
-
 /// The table and the timings, row by row, and on the way what the front is made of.
 std::vector<Point> write_tables(const Journal& journal, const fs::path& stem, const ErrorOf& error) {
   const Head& head = journal.head();
@@ -99,11 +95,17 @@ std::vector<Point> write_tables(const Journal& journal, const fs::path& stem, co
   return points;
 }
 
-bool any_has(const Journal& journal, const ErrorOf& error) {
-  for (long run = 0; run < journal.runs(); ++run) {
-    if (journal.has(run) && std::isfinite(error.value(journal.row(run)))) return true;
+/// The first error of the table that any run has; all have an energy.
+std::string first_error(const Journal& journal) {
+  const auto table = metric_table();
+  for (const MetricRow& metric : table) {
+    if (metric.doubt.empty()) continue;
+    const ErrorOf error(journal.head(), std::string(metric.name));
+    for (long run = 0; run < journal.runs(); ++run) {
+      if (journal.has(run) && std::isfinite(error.value(journal.row(run)))) return std::string(metric.name);
+    }
   }
-  return false;
+  return "max_energy_drift";
 }
 
 std::string unit_of(const std::string& metric) {
@@ -156,7 +158,7 @@ std::string counts_text(const Journal& journal) {
 }  // namespace
 
 void add_answer_options(CLI::App& app, AnswerOptions& options) {
-  app.add_option("--error", options.error, "the error of the Pareto front; default: max_error_q")
+  app.add_option("--error", options.error, "the error of the Pareto front; default: the angle error")
       ->type_name("METRIC")
       ->check(CLI::IsMember(error_metrics()));
   app.add_flag("--quiet", options.quiet, "no table, no progress");
@@ -169,12 +171,9 @@ fs::path journal_file(const fs::path& folder, const std::string& scenario) {
 int answer(const Journal& journal, const fs::path& folder, const AnswerOptions& options) {
   const Head& head = journal.head();
   const fs::path stem = folder / "sweep" / head.scenario;
-  std::string metric = options.error;
-  if (metric.empty()) {
-    metric = any_has(journal, ErrorOf(head, "max_error_q")) ? "max_error_q" : "max_energy_drift";
-  }
+  const std::string metric = options.error.empty() ? first_error(journal) : options.error;
   const ErrorOf error(head, metric);
-  std::vector<Point> points = write_tables(journal, stem, error);
+  const std::vector<Point> points = write_tables(journal, stem, error);
   const std::vector<Point> front = sweep::pareto_front(points);
 
   // The front for programs, and for people.

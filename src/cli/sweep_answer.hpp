@@ -12,7 +12,7 @@ class App;
 namespace odeval::cli {
 
 struct AnswerOptions {
-  std::string error;  // metric of the front; empty: the angle error, or energy drift where there is none
+  std::string error;  // metric of the front; empty: the first error against the reference that there is
   bool quiet = false;
 };
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "engine_ode/library.hpp"
-#include "engine_ode/pendulum_simulation.hpp"
+#include "engine_ode/make.hpp"
 #include "odeval/error.hpp"
 
 #if defined(dIDESINGLE)

@@ -1,15 +1,24 @@
 #pragma once
-// Pendulums stepped by ODE.
-#include "engine_ode/world_stepper.hpp"
-#include "odeval/method.hpp"
+// Pendulums stepped by ODE: links whose angles are followed from step to step.
+#include "engine_ode/stepped_simulation.hpp"
 
 namespace odeval::engine_ode {
 
-/// Cartesian rows. Throws MachineError when ODE refuses the scenario.
-std::unique_ptr<Simulation> make_step(const Scenario& scenario, const SampleGrid& grid);
-std::unique_ptr<Simulation> make_quickstep(const Scenario& scenario, const SampleGrid& grid);
+class PendulumSimulation final : public SteppedSimulation {
+ public:
+  PendulumSimulation(const Scenario& scenario, const SampleGrid& grid, StepFunction step);
+  PendulumSimulation(const Scenario& scenario, const SampleGrid& grid, MakeStepper make_stepper);
 
-/// The same world, moved by another stepper. Its impacts are those that it locates.
-std::unique_ptr<Simulation> make_stepped(const Scenario& scenario, const SampleGrid& grid, MakeStepper make_stepper);
+ private:
+  void follow() override;
+  double angle_of(std::size_t link) const override { return angles_[link]; }
+  Impact impact_before(double t, double depth) const override { return {t, angle(), rate_after(), 0, depth}; }
+  double rate_after() const override;
+
+  double direction(std::size_t link) const;
+  double angle() const;
+
+  std::vector<double> angles_;  // absolute, of each link, as the steps have turned it
+};
 
 }  // namespace odeval::engine_ode

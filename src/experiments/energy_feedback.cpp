@@ -46,7 +46,7 @@ std::vector<Run> measure_all(const Scenario& file, const std::vector<double>& cf
         const Metrics early = evaluator.measure(run, early_s);
         const Metrics whole = evaluator.measure(run, scenario.duration_s);
         runs.push_back({step_s, erp, cfm, early.max_energy_drift, whole.max_energy_drift,
-                        early.max_error_q.value_or(NAN), whole.max_gap});
+                        early.max_error_q.value_or(NAN), whole.max_gap.value_or(NAN)});
       }
     }
   }

@@ -27,7 +27,7 @@ Section feedback_term(Laboratory& laboratory, Findings& findings) {
       if (!with) scenario.maximal = {0, 0};
       catalogue::Evaluator evaluator(scenario);
       const catalogue::Evaluation run = evaluator.evaluate(*available(name));
-      const double gap = evaluator.measure(run, until_s).max_gap;
+      const double gap = evaluator.measure(run, until_s).max_gap.value();
       table.rows.push_back(
           {std::string(name), scenario.maximal.ks, scenario.maximal.kd, gap, error_until(evaluator, run, until_s)});
       panel.series.push_back(curve(fmt::format("{}, {} feedback", name, with ? "with" : "without"), run.trace.t,

@@ -47,7 +47,7 @@ Section quickstep(Laboratory& laboratory, Findings& findings) {
       "QuickStep beside dWorldStep on two links",
       {"method", "iterations", "over-relaxation", fmt::format("angle error until {} s, rad", until_s),
        "error over dWorldStep's", fmt::format("largest gap until {} s, m", until_s)},
-      {{std::string(big_matrix), std::string("direct"), std::string("-"), error, 1.0, of_step.max_gap}},
+      {{std::string(big_matrix), std::string("direct"), std::string("-"), error, 1.0, *of_step.max_gap}},
       "The cost of a step grows with the iterations; what it is on this machine stands in the timings."};
   Panel errors{.x_label = "iterations", .y_label = "angle error, rad", .log_x = true, .log_y = true};
   Panel gaps{.x_label = "iterations", .y_label = "largest gap, m", .log_x = true, .log_y = true};
@@ -62,18 +62,18 @@ Section quickstep(Laboratory& laboratory, Findings& findings) {
       const Metrics metrics = evaluator.measure(run, until_s);
       const double run_error = metrics.max_error_q.value_or(NAN);
       table.rows.push_back({std::string(iterative), static_cast<double>(count), over_relaxation, finite(run_error),
-                            finite(run_error / error), finite(metrics.max_gap)});
+                            finite(run_error / error), finite(metrics.max_gap.value_or(NAN))});
       of_error.x.push_back(count);
       of_error.y.push_back(run_error);
       of_gap.x.push_back(count);
-      of_gap.y.push_back(metrics.max_gap);
+      of_gap.y.push_back(metrics.max_gap.value_or(NAN));
     }
     errors.series.push_back(std::move(of_error));
     gaps.series.push_back(std::move(of_gap));
   }
   const Column ends{static_cast<double>(iterations[0]), static_cast<double>(std::end(iterations)[-1])};
   errors.series.push_back(curve("dWorldStep", ends, {error, error}, guide_colour, true));
-  gaps.series.push_back(curve("dWorldStep", ends, {of_step.max_gap, of_step.max_gap}, guide_colour, true));
+  gaps.series.push_back(curve("dWorldStep", ends, {*of_step.max_gap, *of_step.max_gap}, guide_colour, true));
 
   report::Figure figure{"quickstep-figure", "Error and gap over the iterations", {}, {}, 2};
   figure.panels = {std::move(errors), std::move(gaps)};

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "measure/body_columns.hpp"
 #include "measure/unwrap.hpp"
 
 namespace odeval {
@@ -87,16 +88,6 @@ class LinkMeter {
 // NaN wins, so that a broken row never looks sound.
 double greater(double a, double b) { return a >= b || std::isnan(a) ? a : b; }
 
-template <std::size_t N>
-void size(std::array<Column, N>& columns, std::size_t rows) {
-  for (Column& column : columns) column.resize(rows);
-}
-
-template <std::size_t N>
-void store(std::array<Column, N>& columns, std::size_t k, const double (&values)[N]) {
-  for (std::size_t i = 0; i < N; ++i) columns[i][k] = values[i];
-}
-
 Trace sized_trace(std::size_t links, std::size_t rows) {
   Trace trace;
   trace.q.assign(links, Column(rows));
@@ -105,14 +96,7 @@ Trace sized_trace(std::size_t links, std::size_t rows) {
        {&trace.t, &trace.kinetic, &trace.potential, &trace.gap, &trace.out_of_plane, &trace.contacts}) {
     column->resize(rows);
   }
-  trace.bodies.resize(links);
-  for (BodyColumns& body : trace.bodies) {
-    size(body.position, rows);
-    size(body.rotation, rows);
-    size(body.velocity, rows);
-    size(body.spin, rows);
-    size(body.joint_force, rows);
-  }
+  resize_bodies(trace, links, rows);
   return trace;
 }
 
@@ -151,12 +135,7 @@ Trace cartesian_trace(const Scenario& scenario, const SampleGrid& grid, const Ro
       trace.gap[k] = greater(trace.gap[k], length(minus(state.near_end, anchor)));
       anchor = state.far_end;
 
-      BodyColumns& columns = trace.bodies[i];
-      store(columns.position, k, body.position);
-      store(columns.rotation, k, body.rotation);
-      store(columns.velocity, k, body.velocity);
-      store(columns.spin, k, body.spin);
-      store(columns.joint_force, k, body.joint_force);
+      store_body(trace.bodies[i], k, body);
     }
     trace.contacts[k] = row[links * body_numbers];
   }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 
+#include "measure/body_trace.hpp"
 #include "odeval/error.hpp"
 
 namespace odeval {
@@ -46,6 +47,24 @@ double largest(const Column& column, std::size_t rows) {
   double max = 0;
   for (std::size_t k = 0; k < rows; ++k) max = std::max(max, size_of(column[k]));
   return max;
+}
+
+/// The same of a column that a trace may lack.
+std::optional<double> largest_of(const Column& column, std::size_t rows) {
+  return column.empty() ? std::nullopt : std::optional(largest(column, rows));
+}
+
+void measure_body_errors(const Trace& trace, const Reference& reference, std::size_t rows, Metrics& metrics) {
+  const auto largest_error = [rows](const std::vector<Column>& errors) {
+    double error = 0;
+    for (const Column& body : errors) error = std::max(error, largest(body, rows));
+    return error;
+  };
+  metrics.max_error_position = largest_error(trace.error_position);
+  metrics.max_error_turn = largest_error(trace.error_turn);
+  const std::size_t known = rows_until(reference.trace.t, metrics.until_s);
+  metrics.position_uncertainty = largest(reference.uncertainty_position, known);
+  metrics.turn_uncertainty = largest(reference.uncertainty_turn, known);
 }
 
 void measure_errors(const Trace& trace, const Reference& reference, std::size_t rows, Metrics& metrics) {
@@ -106,7 +125,10 @@ void count_as_lost(const Trace& trace, const Reference& reference, Metrics& metr
       metrics.divergence_time = reference.trace.t[trace.rows()];
   }
   metrics.max_energy_drift = metrics.rms_energy_drift = metrics.final_energy_drift = infinity;
-  if (metrics.max_reaction_error) metrics.max_reaction_error = infinity;
+  for (std::optional<double>* metric : {&metrics.max_reaction_error, &metrics.max_error_position,
+                                        &metrics.max_error_turn, &metrics.max_angular_momentum_drift}) {
+    if (*metric) *metric = infinity;
+  }
 }
 
 }  // namespace
@@ -120,6 +142,7 @@ void compare(Trace& trace, const Reference& reference) {
   if (wanted.rows() < trace.rows() || !std::equal(trace.t.begin(), trace.t.end(), wanted.t.begin(), same_time)) {
     throw MachineError("the reference does not stand at the times of the trace");
   }
+  if (!reference.uncertainty_position.empty()) compare_bodies(trace, reference);
   trace.error_q.assign(trace.q.size(), Column(trace.rows()));
   for (std::size_t i = 0; i < trace.q.size(); ++i) {
     for (std::size_t k = 0; k < trace.rows(); ++k) trace.error_q[i][k] = trace.q[i][k] - wanted.q[i][k];
@@ -131,10 +154,12 @@ Metrics measure(const Trace& trace, const Reference* reference, double until_s) 
   metrics.until_s = until_s;
   const std::size_t rows = rows_until(trace.t, until_s);
   measure_energy(trace, rows, metrics);
-  metrics.max_gap = largest(trace.gap, rows);
-  metrics.max_out_of_plane = largest(trace.out_of_plane, rows);
+  metrics.max_gap = largest_of(trace.gap, rows);
+  metrics.max_out_of_plane = largest_of(trace.out_of_plane, rows);
+  metrics.max_angular_momentum_drift = largest_of(trace.angular_momentum_drift, rows);
   if (reference != nullptr) {
     if (!trace.error_q.empty()) measure_errors(trace, *reference, rows, metrics);
+    if (!trace.error_position.empty()) measure_body_errors(trace, *reference, rows, metrics);
     measure_reactions(trace, *reference, rows, metrics);
     if (rows_until(reference->trace.t, until_s) > rows) count_as_lost(trace, *reference, metrics);
   }
@@ -155,11 +180,15 @@ std::optional<double> judged_value(const Tolerance& tolerance, const Metrics& me
   return never_lost ? infinity : value;
 }
 
+std::optional<double> doubt_of(const Tolerance& tolerance, const Metrics& metrics) {
+  const MetricRow* row = metric_named(tolerance.metric);
+  return row == nullptr || row->doubt.empty() ? std::nullopt : metric_named(row->doubt)->value(metrics);
+}
+
 Judgement judge(const Tolerance& tolerance, const Metrics& metrics) {
   const std::optional<double> value = judged_value(tolerance, metrics);
   if (!value || (!std::isfinite(*value) && tolerance.metric != "divergence_time")) return Judgement::failed;
-  const bool is_error = tolerance.metric == "max_error_q" || tolerance.metric == "rms_error_q";
-  const double doubt = is_error ? metrics.reference_uncertainty.value_or(0) : 0;
+  const double doubt = doubt_of(tolerance, metrics).value_or(0);
   const double at_most = tolerance.at_most.value_or(infinity);
   const double at_least = tolerance.at_least.value_or(-infinity);
   if (*value - doubt > at_most || *value + doubt < at_least) return Judgement::failed;

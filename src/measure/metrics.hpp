@@ -11,7 +11,7 @@
 
 namespace odeval {
 
-/// Fills `trace.error_q` with q - reference q, rad.
+/// Fills `trace.error_q` with q - reference q, rad; of bodies `trace.error_position` and `trace.error_turn`.
 /// Throws MachineError when the reference has fewer rows, other times or another number of angles: nothing is
 /// resampled.
 void compare(Trace& trace, const Reference& reference);
@@ -32,6 +32,9 @@ const MetricRow* metric_named(std::string_view name);
 /// What a tolerance is held against: the metric's value, where a run that was compared and never lost is lost at
 /// infinity. Empty when the metric has no meaning for the run. Throws UserError for an unknown metric.
 std::optional<double> judged_value(const Tolerance& tolerance, const Metrics& metrics);
+
+/// What the reference may be off by in that metric; empty when it is no error against the reference.
+std::optional<double> doubt_of(const Tolerance& tolerance, const Metrics& metrics);
 
 enum class Judgement { kept, failed, undecided };
 

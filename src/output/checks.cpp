@@ -35,10 +35,9 @@ std::string checks_table(const std::vector<CheckRow>& rows) {
   TextTable table("lllrrrrl", {"scenario", "method", "metric", "until, s", "measured", "at least", "at most", ""});
   for (const CheckRow& row : rows) {
     const Tolerance& tolerance = row.tolerance;
-    const bool error = tolerance.metric.find("error_q") != std::string::npos;
     table.add({row.scenario, tolerance.method, tolerance.metric, three_digits(tolerance.until_s),
-               with_uncertainty(row.measured, error ? row.reference_uncertainty : std::nullopt),
-               three_digits(tolerance.at_least), three_digits(tolerance.at_most), verdict_of(row)});
+               with_uncertainty(row.measured, row.reference_uncertainty), three_digits(tolerance.at_least),
+               three_digits(tolerance.at_most), verdict_of(row)});
   }
   const auto count = [&](CheckRow::Verdict verdict) { return std::ranges::count(rows, verdict, &CheckRow::verdict); };
   return table.text() + fmt::format("\n{} tolerances: {} kept, {} failed, {} undecided, {} left out\n", rows.size(),

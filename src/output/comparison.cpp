@@ -117,11 +117,13 @@ double allowed_at(const std::string& way, const Leaves& a, const Leaves& b) {
   const double in_b = *number(find(b, way));
   const std::string name = last_part(way);
   if (must_be_equal(way)) return 0;
-  if (name == "max_error_q" || name == "rms_error_q") {
-    const std::string beside = way.substr(0, way.size() - name.size()) + "reference_uncertainty";
+  const auto metrics = metric_table();
+  const auto metric = std::ranges::find(metrics, name, &MetricRow::name);
+  if (metric != metrics.end() && !metric->doubt.empty()) {
+    const std::string beside = way.substr(0, way.size() - name.size()) + std::string(metric->doubt);
     return angle_rounding + number(find(a, beside)).value_or(0) + number(find(b, beside)).value_or(0);
   }
-  if (name == "reference_uncertainty") return std::max(in_a, in_b) / 2;
+  if (name.ends_with("uncertainty")) return std::max(in_a, in_b) / 2;
   if (name == "divergence_time") {
     return 1.001 *
            std::max(number(find(a, "settings.sample")).value_or(0), number(find(b, "settings.sample")).value_or(0));

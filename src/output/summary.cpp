@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -27,6 +28,18 @@ Json json_of(const Link& link) {
   return {{"mass", link.mass_kg}, {"length", link.length_m}, {"width", link.width_m}, {"depth", link.depth_m}};
 }
 
+Json json_of(const Vec3& vector) { return json_of(std::vector<double>(vector.begin(), vector.end())); }
+
+Json json_of(const Body& body) {
+  return {{"shape", body.shape == Shape::sphere ? "sphere" : "box"},
+          {"mass", body.mass_kg},
+          {"size", json_of(body.size_m)},
+          {"position", json_of(body.position_m)},
+          {"turn", json_of(body.turn_rad)},
+          {"velocity", json_of(body.velocity_m_s)},
+          {"spin", json_of(body.spin_rad_s)}};
+}
+
 Json json_of(const Impact& impact) {
   return {{"t", json_number(impact.t)},
           {"q1", json_number(impact.q1)},
@@ -39,7 +52,7 @@ Json json_of(const Impact& impact) {
 Json ode_settings(const Scenario& scenario) {
   const OdeSettings& ode = scenario.ode;
   Json json = {{"erp", ode.erp}, {"cfm", ode.cfm}, {"iterations", ode.iterations}, {"sor_w", ode.sor_w}};
-  if (scenario.wall) json["bounce"] = ode.bounce.value_or(scenario.wall->restitution);
+  if (scenario.wall || scenario.ground) json["bounce"] = ode.bounce.value_or(scenario.restitution());
   json["bounce_vel"] = ode.bounce_vel;
   json["max_correcting_vel"] = json_number(ode.max_correcting_vel);
   json["surface_layer"] = ode.surface_layer;
@@ -53,28 +66,44 @@ Json settings(const RunSummary& run) {
   Json json = {{"step", run.grid.step_s},
                {"duration", run.grid.time(run.grid.rows - 1)},
                {"sample", scenario.sample_s.value_or(run.grid.step_s)},
-               {"gravity", scenario.gravity},
-               {"q0", json_of(scenario.q0)},
-               {"qd0", json_of(scenario.qd0)}};
+               {"gravity", scenario.gravity}};
+  if (scenario.family() == Family::pendulum) {
+    json["q0"] = json_of(scenario.q0);
+    json["qd0"] = json_of(scenario.qd0);
+  }
   if (run.rtol) json["rtol"] = *run.rtol;
   if (run.atol) json["atol"] = *run.atol;
-  json["links"] = Json::array();
   for (const Link& link : scenario.links) json["links"].push_back(json_of(link));
+  for (const Body& body : scenario.bodies) json["bodies"].push_back(json_of(body));
+  if (scenario.ground) {
+    json["ground"] = {{"slope", scenario.ground->slope_rad}, {"restitution", scenario.ground->restitution}};
+  }
   if (scenario.wall) json["wall"] = {{"face", scenario.wall->face_m}, {"restitution", scenario.wall->restitution}};
   if (run.uses_ode) json["ode"] = ode_settings(scenario);
   if (run.uses_bounce) {
-    json["ode"] = {{"bounce", json_number(scenario.ode.bounce.value_or(scenario.wall->restitution))}};
+    json["ode"] = {{"bounce", json_number(scenario.ode.bounce.value_or(scenario.restitution()))}};
   }
   if (run.uses_maximal) json["maximal"] = {{"ks", scenario.maximal.ks}, {"kd", scenario.maximal.kd}};
   return json;
 }
 
-Json errors_at(const std::vector<Metrics>& error_at) {
+/// Whether a metric is an error against the reference, or bounds one.
+bool is_error(const MetricRow& metric) {
+  const auto bounds = [&](const MetricRow& error) { return error.doubt == metric.name; };
+  return !metric.doubt.empty() || std::ranges::any_of(metric_table(), bounds);
+}
+
+/// Of a pendulum the errors of angles, known or not; of bodies their own.
+Json errors_at(const std::vector<Metrics>& error_at, Family family) {
   Json json = Json::object();
   for (const Metrics& metrics : error_at) {
-    json[number_text(metrics.until_s)] = {{"max_error_q", json_of(metrics.max_error_q)},
-                                          {"rms_error_q", json_of(metrics.rms_error_q)},
-                                          {"reference_uncertainty", json_of(metrics.reference_uncertainty)}};
+    Json& at = json[number_text(metrics.until_s)] = Json::object();
+    for (const MetricRow& row : metric_table()) {
+      const bool of_angles = row.doubt == "reference_uncertainty" || row.name == "reference_uncertainty";
+      if (is_error(row) && of_angles == (family == Family::pendulum)) {
+        at[std::string(row.name)] = json_of(row.value(metrics));
+      }
+    }
   }
   return json;
 }
@@ -129,7 +158,7 @@ std::string summary_json(const RunSummary& run) {
   json["reason"] = outcome.reason.empty() ? Json() : Json(outcome.reason);
   for (const MetricRow& row : metric_table()) json[std::string(row.name)] = json_of(row.value(run.metrics));
   json["reference_lost_at"] = json_of(run.metrics.reference_lost_at);
-  json["error_at"] = errors_at(run.error_at);
+  json["error_at"] = errors_at(run.error_at, run.scenario.family());
   if (outcome.self_difference) json["self_difference"] = json_number(*outcome.self_difference);
   json["at_rest_from"] = outcome.at_rest_from < 0 ? Json() : json_number(outcome.at_rest_from);
   json["impacts"] = Json::array();

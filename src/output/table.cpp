@@ -65,7 +65,42 @@ std::string with_uncertainty(const std::optional<double>& value, const std::opti
   return fmt::format("{:.3g} ± {:.1g}", *value, *uncertainty);
 }
 
+namespace {
+
+std::string cost_cell(std::span<const double> ns_per_step, std::size_t run) {
+  return run < ns_per_step.size() ? three_digits(ns_per_step[run] / 1e3) : "-";
+}
+
+std::string body_cell(const RunSummary& run, const Metrics* metrics, std::optional<double> Metrics::*error,
+                      std::optional<double> Metrics::*uncertainty) {
+  if (metrics == nullptr) return "-";
+  if (run.is_reference) return "± " + fmt::format("{:.1g}", (metrics->*uncertainty).value_or(0));
+  return with_uncertainty(metrics->*error, metrics->*uncertainty);
+}
+
+std::string body_table(const std::vector<RunSummary>& runs, std::span<const double> ns_per_step) {
+  TextTable table("lrrrrrrrrl", {"method", "distance to 1 s, m", "to the end", "turned to 1 s, rad", "to the end",
+                                 "drift, J", "momentum, N m s", "impacts", "µs/step", "status"});
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const RunSummary& run = runs[i];
+    const auto position = [&](const Metrics* metrics) {
+      return body_cell(run, metrics, &Metrics::max_error_position, &Metrics::position_uncertainty);
+    };
+    const auto turn = [&](const Metrics* metrics) {
+      return body_cell(run, metrics, &Metrics::max_error_turn, &Metrics::turn_uncertainty);
+    };
+    const Metrics* const early = metrics_until(run, 1);
+    table.add({run.method, position(early), position(&run.metrics), turn(early), turn(&run.metrics),
+               three_digits(run.metrics.max_energy_drift), three_digits(run.metrics.max_angular_momentum_drift),
+               std::to_string(run.outcome.impacts.size()), cost_cell(ns_per_step, i), status(run)});
+  }
+  return table.text();
+}
+
+}  // namespace
+
 std::string summary_table(const std::vector<RunSummary>& runs, std::span<const double> ns_per_step) {
+  if (runs.front().scenario.family() == Family::bodies) return body_table(runs, ns_per_step);
   TextTable table("lrrrrrrrrl", {"method", "error to 1 s, rad", "to 3 s", "to the end", "lost at, s", "drift, J",
                                  "gap, m", "impacts", "µs/step", "status"});
   for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -73,15 +108,16 @@ std::string summary_table(const std::vector<RunSummary>& runs, std::span<const d
     table.add({run.method, error_cell(run, metrics_until(run, 1)), error_cell(run, metrics_until(run, 3)),
                error_cell(run, &run.metrics), three_digits(run.metrics.divergence_time),
                three_digits(run.metrics.max_energy_drift), three_digits(run.metrics.max_gap),
-               std::to_string(run.outcome.impacts.size()),
-               i < ns_per_step.size() ? three_digits(ns_per_step[i] / 1e3) : "-", status(run)});
+               std::to_string(run.outcome.impacts.size()), cost_cell(ns_per_step, i), status(run)});
   }
   return table.text();
 }
 
 std::string impacts_table(const std::vector<RunSummary>& runs, const std::vector<Impact>& reference, std::size_t most) {
-  TextTable table("lrrrrrrrr", {"method", "impact", "t, s", "q1, rad", "rate before, rad/s", "after", "restitution",
-                                "depth, m", "later than the reference, s"});
+  const bool bodies = runs.front().scenario.family() == Family::bodies;
+  TextTable table("lrrrrrrrr", {"method", "impact", "t, s", bodies ? "height, m" : "q1, rad",
+                                bodies ? "rate before, m/s" : "rate before, rad/s", "after", "restitution", "depth, m",
+                                "later than the reference, s"});
   for (const RunSummary& run : runs) {
     const std::vector<Impact>& impacts = run.outcome.impacts;
     for (std::size_t i = 0; i < std::min(impacts.size(), most); ++i) {

@@ -31,6 +31,9 @@ class Layout {
     add("gap", trace.gap);
     add("out_of_plane", trace.out_of_plane);
     add_each("error_q", trace.error_q);
+    add_each("error_position", trace.error_position);
+    add_each("error_turn", trace.error_turn);
+    add("angular_momentum_drift", trace.angular_momentum_drift);
     add("contacts", trace.contacts);
     add("condition", trace.condition);
     add("manipulability", trace.manipulability);

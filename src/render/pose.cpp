@@ -18,7 +18,7 @@ Pose from_bodies(const PlanarFrame& frame, const Trace& trace, std::size_t row) 
     pose.push_back({{body.position[0][row], body.position[1][row], body.position[2][row]},
                     turned(frame.along_body),
                     turned(frame.across_body),
-                    turned(frame.hinge_axis)});  // the links turn about it, so it is the same in body and world frame
+                    turned(frame.hinge_axis)});  // links turn about it, so it is the same in body and world frame
   }
   return pose;
 }

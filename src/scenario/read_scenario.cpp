@@ -121,6 +121,7 @@ class Reader {
       const toml::table* table = node.as_table();
       if (table == nullptr) fail(name, shown(node), fmt::format("must be a table [{}]", name));
       if (name == "wall") scenario_.wall.emplace();
+      if (name == "ground") scenario_.ground.emplace();
       read_table(*table, name, name);
       return;
     }
@@ -132,6 +133,8 @@ class Reader {
       if (table == nullptr) fail(path, shown((*list)[i]), fmt::format("must be a table [[{}]]", name));
       if (name == "links") {
         scenario_.links.emplace_back();
+      } else if (name == "bodies") {
+        scenario_.bodies.emplace_back();
       } else {
         scenario_.tolerances.emplace_back();
       }
@@ -201,7 +204,9 @@ class Reader {
       value.word = word_of(row, node, path);
     } else {
       const toml::array* list = node.as_array();
-      if (list == nullptr) fail(path, shown(node), rule_of(row, names_));
+      if (list == nullptr || (row.count != 0 && list->size() != row.count)) {
+        fail(path, shown(node), rule_of(row, names_));
+      }
       for (std::size_t i = 0; i < list->size(); ++i) {
         const std::string element = fmt::format("{}.{}", path, i);
         if (row.kind == KeyKind::numbers) {
@@ -216,21 +221,55 @@ class Reader {
 
   void check_against_problem(const toml::table& tree) const {
     const Problem& problem = *scenario_.problem;
+    if (problem.family == Family::pendulum) {
+      check_pendulum(tree);
+    } else {
+      check_bodies(tree);
+    }
+    for (const auto& [section, needed] : {std::pair{"wall", problem.wall}, std::pair{"ground", problem.ground}}) {
+      if (needed && !tree.contains(section)) {
+        fail(section, "", fmt::format("is missing; {} needs [{}]", problem.name, section));
+      }
+      if (!needed) refuse(tree, section);
+    }
+    if (problem.wall) check_clear_of_wall();
+  }
+
+  /// A key that another kind of problem has.
+  void refuse(const toml::table& tree, const char* key) const {
+    if (!tree.contains(key)) return;
+    fail(key, "", fmt::format("has no meaning for {}; remove it", scenario_.problem->name), Blame::parts);
+  }
+
+  void check_pendulum(const toml::table& tree) const {
+    const Problem& problem = *scenario_.problem;
     const auto count = static_cast<std::size_t>(problem.links);
+    refuse(tree, "bodies");
     if (scenario_.links.size() != count) {
       fail("links", fmt::format("{} tables", scenario_.links.size()),
            fmt::format("must be {} table{} [[links]] for {}", count, count == 1 ? "" : "s", problem.name));
     }
     for (const auto& [name, column] : {std::pair{"q0", &scenario_.q0}, std::pair{"qd0", &scenario_.qd0}}) {
-      if (column->size() == count) continue;
-      fail(name, shown(*tree.get(name)),
-           fmt::format("must be a list of {} number{} for {}", count, count == 1 ? "" : "s", problem.name));
+      const std::string rule =
+          fmt::format("must be a list of {} number{} for {}", count, count == 1 ? "" : "s", problem.name);
+      if (!tree.contains(name)) fail(name, "", "is missing; it " + rule);
+      if (column->size() != count) fail(name, shown(*tree.get(name)), rule);
     }
-    if (problem.wall && !scenario_.wall) fail("wall", "", fmt::format("is missing; {} needs [wall]", problem.name));
-    if (!problem.wall && scenario_.wall) {
-      fail("wall", "", fmt::format("has no meaning for {}; remove it", problem.name), Blame::parts);
+  }
+
+  void check_bodies(const toml::table& tree) const {
+    for (const char* key : {"links", "q0", "qd0", "maximal"}) refuse(tree, key);
+    if (scenario_.bodies.empty()) {
+      fail("bodies", "0 tables",
+           fmt::format("must be tables [[bodies]], at least one, for {}", scenario_.problem->name));
     }
-    if (problem.wall) check_clear_of_wall();
+    for (std::size_t i = 0; i < scenario_.bodies.size(); ++i) {
+      const auto& [x, y, z] = scenario_.bodies[i].size_m;
+      if (scenario_.bodies[i].shape == Shape::sphere && (x != y || x != z)) {
+        fail(fmt::format("bodies.{}.size", i), fmt::format("[{}, {}, {}]", x, y, z),
+             "must be the diameter, three times, for a sphere");
+      }
+    }
   }
 
   // The corner of the box nearest the wall, which fills x <= face.

@@ -16,9 +16,12 @@ std::vector<std::string> problem_names(const Names&) {
   for (const Problem& problem : problems) names.emplace_back(problem.name);
   return names;
 }
+std::vector<std::string> shape_names(const Names&) { return {"box", "sphere"}; }
 std::vector<std::string> start_names(const Names&) { return {"as-given", "half-step"}; }
 std::vector<std::string> method_names(const Names& names) { return names.methods; }
 std::vector<std::string> metric_names(const Names& names) { return names.metrics; }
+
+Vec3 vector(const KeyValue& value) { return {value.numbers[0], value.numbers[1], value.numbers[2]}; }
 
 const Problem* problem_named(const std::string& name) {
   for (const Problem& problem : problems) {
@@ -51,9 +54,9 @@ constexpr KeyRow rows[] = {
       [](S& s, const V& v) { s.sample_s = v.number; }},
   {"", "gravity",  number,  "m/s²",  0, 1e4,     false, nullptr, "9.81", "downwards",
       [](S& s, const V& v) { s.gravity = v.number; }},
-  {"", "q0",       numbers, "rad",   -1e3, 1e3,  false, nullptr, "", "angles at t = 0: q1 from the horizontal, the others relative to the link before",
+  {"", "q0",       numbers, "rad",   -1e3, 1e3,  false, nullptr, "of pendulums alone", "angles at t = 0: q1 from the horizontal, the others relative to the link before",
       [](S& s, const V& v) { s.q0 = v.numbers; }},
-  {"", "qd0",      numbers, "rad/s", -1e3, 1e3,  false, nullptr, "", "rates at t = 0",
+  {"", "qd0",      numbers, "rad/s", -1e3, 1e3,  false, nullptr, "of pendulums alone", "rates at t = 0",
       [](S& s, const V& v) { s.qd0 = v.numbers; }},
   {"", "rtol",     number,  "",      1e-15, 0.1, false, nullptr, "the method's own", "relative tolerance of adaptive methods",
       [](S& s, const V& v) { s.rtol = v.number; }},
@@ -76,6 +79,26 @@ constexpr KeyRow rows[] = {
   {"wall", "restitution", number, "",  0, 1,      false, nullptr, "1", "speed after an impact over speed before",
       [](S& s, const V& v) { s.wall->restitution = v.number; }},
 
+  {"bodies", "shape",    word,    "",      0, 0,       false, shape_names, "box", "of a uniform solid",
+      [](S& s, const V& v) { s.bodies.back().shape = v.word == "sphere" ? Shape::sphere : Shape::box; }},
+  {"bodies", "mass",     number,  "kg",    1e-6, 1e6,  false, nullptr, "", "of the body",
+      [](S& s, const V& v) { s.bodies.back().mass_kg = v.number; }},
+  {"bodies", "size",     numbers, "m",     1e-4, 1e3,  false, nullptr, "", "sides along the body's own axes; of a sphere the diameter, three times",
+      [](S& s, const V& v) { s.bodies.back().size_m = vector(v); }, 3},
+  {"bodies", "position", numbers, "m",     -1e4, 1e4,  false, nullptr, "0", "of the centre at t = 0",
+      [](S& s, const V& v) { s.bodies.back().position_m = vector(v); }, 3},
+  {"bodies", "turn",     numbers, "rad",   -1e3, 1e3,  false, nullptr, "0", "rotation vector that turns the world's axes into the body's at t = 0",
+      [](S& s, const V& v) { s.bodies.back().turn_rad = vector(v); }, 3},
+  {"bodies", "velocity", numbers, "m/s",   -1e4, 1e4,  false, nullptr, "0", "of the centre at t = 0",
+      [](S& s, const V& v) { s.bodies.back().velocity_m_s = vector(v); }, 3},
+  {"bodies", "spin",     numbers, "rad/s", -1e3, 1e3,  false, nullptr, "0", "about the world's axes at t = 0",
+      [](S& s, const V& v) { s.bodies.back().spin_rad_s = vector(v); }, 3},
+
+  {"ground", "slope",       number, "rad", -1.5, 1.5, false, nullptr, "0", "how steeply the ground falls towards +x",
+      [](S& s, const V& v) { s.ground->slope_rad = v.number; }},
+  {"ground", "restitution", number, "",    0, 1,      false, nullptr, "0", "speed after an impact over speed before",
+      [](S& s, const V& v) { s.ground->restitution = v.number; }},
+
   {"ode", "erp",                number, "",       0, 1,          false, nullptr, "0.2", "error reduction parameter",
       [](S& s, const V& v) { s.ode.erp = v.number; }},
   {"ode", "cfm",                number, "",       0, 1e3,        false, nullptr, "1e-5", "constraint force mixing",
@@ -84,7 +107,7 @@ constexpr KeyRow rows[] = {
       [](S& s, const V& v) { s.ode.iterations = static_cast<int>(v.number); }},
   {"ode", "sor_w",              number, "",       0, 2,          true,  nullptr, "1.3", "over-relaxation of QuickStep",
       [](S& s, const V& v) { s.ode.sor_w = v.number; }},
-  {"ode", "bounce",             number, "",       0, 1,          false, nullptr, "wall.restitution", "restitution of contacts",
+  {"ode", "bounce",             number, "",       0, 1,          false, nullptr, "that of wall or ground", "restitution of contacts",
       [](S& s, const V& v) { s.ode.bounce = v.number; }},
   {"ode", "bounce_vel",         number, "m/s",    0, 1e6,        false, nullptr, "0", "slower contacts do not bounce",
       [](S& s, const V& v) { s.ode.bounce_vel = v.number; }},
@@ -115,8 +138,8 @@ constexpr KeyRow rows[] = {
 };
 // clang-format on
 
-constexpr SectionRow sections[] = {
-    {"links", true}, {"wall", false}, {"ode", false}, {"maximal", false}, {"tolerances", true}};
+constexpr SectionRow sections[] = {{"links", true}, {"wall", false},    {"bodies", true},    {"ground", false},
+                                   {"ode", false},  {"maximal", false}, {"tolerances", true}};
 
 }  // namespace
 
@@ -134,7 +157,8 @@ std::string rule_of(const KeyRow& row, const Names& names) {
     case KeyKind::whole:
       return fmt::format("must be a whole number {}{}", range, unit);
     case KeyKind::numbers:
-      return fmt::format("must be a list of numbers {}{}", range, unit);
+      return fmt::format("must be a list of {}numbers {}{}", row.count == 0 ? "" : fmt::format("{} ", row.count), range,
+                         unit);
     case KeyKind::word:
     case KeyKind::words:
       break;

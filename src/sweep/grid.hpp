@@ -37,15 +37,22 @@ class Grid {
   long runs_ = 1;
 };
 
-/// One of several parts of a grid that are done in different places: every count-th run.
+/// One of several parts of a grid that are done in different places: one run of every `count` that follow each other,
+/// each time another place among them, so that no shard gets all of one method.
 struct Shard {
   long index = 1;
   long count = 1;
 
-  bool holds(long run) const { return run % count == index - 1; }
+  bool holds(long run) const { return of(run) == index; }
+  /// Which shard holds a run.
+  long of(long run) const { return (run + run / count) % count + 1; }
   bool whole() const { return count == 1; }
   /// How many of `runs` runs it holds.
-  long runs_of(long runs) const { return (runs - index + count) / count; }
+  long runs_of(long runs) const {
+    long held = runs / count;
+    for (long run = held * count; run < runs; ++run) held += holds(run) ? 1 : 0;
+    return held;
+  }
   std::string text() const { return std::to_string(index) + "/" + std::to_string(count); }
 
   bool operator==(const Shard&) const = default;

@@ -23,6 +23,7 @@ using Eigen::AngleAxisd;
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
+using Body = reference::maximal::Body;  // of the step rebuilt, not of a scenario
 
 struct Part {
   double mass;
@@ -453,7 +454,7 @@ void check_methods(std::string_view problem, const char* change, const std::func
 
 void check_all_methods() {
   const auto as_reported = [](Scenario&) {};
-  for (const Problem& problem : problems) check_methods(problem.name, "as reported", as_reported);
+  for (const Problem& problem : test::pendulums()) check_methods(problem.name, "as reported", as_reported);
   const auto uneven = [](Scenario& scenario) {
     const Link links[] = {{1.7, 0.8, 0.25, 0.06}, {0.6, 1.3, 0.05, 0.4}};
     scenario.links.assign(links, links + scenario.links.size());
@@ -461,7 +462,7 @@ void check_all_methods() {
     scenario.ode.erp = 0.6;
     scenario.ode.cfm = 1e-7;
   };
-  for (const Problem& problem : problems) check_methods(problem.name, "uneven", uneven);
+  for (const Problem& problem : test::pendulums()) check_methods(problem.name, "uneven", uneven);
   check_methods("double_pendulum", "half-step start", [](Scenario& s) { s.ode.start = Start::half_step; });
   check_methods("wall_pendulum", "weak bounce, limits", [](Scenario& s) {
     s.ode.bounce = 0.05;

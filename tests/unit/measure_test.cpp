@@ -186,8 +186,8 @@ void a_broken_row_stays_broken() {
   CHECK(std::isnan(trace.gap[1]));
   CHECK(std::isnan(trace.out_of_plane[1]));
   const Metrics metrics = measure(trace, nullptr, 1);
-  CHECK_EQUAL(metrics.max_gap, infinity);
-  CHECK_EQUAL(metrics.max_out_of_plane, infinity);
+  CHECK_EQUAL(metrics.max_gap.value_or(0), infinity);
+  CHECK_EQUAL(metrics.max_out_of_plane.value_or(0), infinity);
 }
 
 /// Five samples, 1 s apart, of two angles that stand still in the reference.
@@ -284,8 +284,8 @@ void not_a_number_is_never_small() {
     CHECK_EQUAL(metrics.divergence_time.value(), 2.0);
     CHECK_EQUAL(metrics.max_energy_drift, infinity);
     CHECK_EQUAL(metrics.rms_energy_drift, infinity);
-    CHECK_EQUAL(metrics.max_gap, infinity);
-    CHECK_EQUAL(metrics.max_out_of_plane, infinity);
+    CHECK_EQUAL(metrics.max_gap.value_or(0), infinity);
+    CHECK_EQUAL(metrics.max_out_of_plane.value_or(0), infinity);
     CHECK_EQUAL(metrics.max_reaction_error.value(), infinity);
     CHECK_EQUAL(measure(trace, &reference, 0).max_error_q.value(), 0.0);
   }
@@ -330,9 +330,14 @@ void the_table_reads_every_metric() {
   metrics.max_gap = 8;
   metrics.max_out_of_plane = 9;
   metrics.max_reaction_error = 10;
+  metrics.max_error_position = 11;
+  metrics.max_error_turn = 12;
+  metrics.position_uncertainty = 13;
+  metrics.turn_uncertainty = 14;
+  metrics.max_angular_momentum_drift = 15;
   double expected = 0;
-  for (const MetricRow& row : metric_table()) CHECK_EQUAL(row.value(metrics).value(), ++expected);
-  CHECK_EQUAL(expected, 10.0);
+  for (const MetricRow& row : metric_table()) CHECK_EQUAL(row.value(metrics).value_or(0), ++expected);
+  CHECK_EQUAL(expected, 15.0);
   CHECK(metric_named("max_gap") != nullptr);
   CHECK(metric_named("max_gape") == nullptr);
 }

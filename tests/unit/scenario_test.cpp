@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "odeval/error.hpp"
+#include "odeval/metrics.hpp"
 #include "scenario/find_scenario.hpp"
 #include "scenario/nearest.hpp"
 #include "scenario/read_scenario.hpp"
@@ -24,8 +25,11 @@ const Names names{
     {"ode-step-double", "ode-step-single", "ode-quickstep-double", "ode-quickstep-single", "ode-rk4-double",
      "lagrange-cvode", "lagrange-quad", "lagrange-ode45", "lagrange-rk4", "lagrange-euler", "lagrange-symplectic-euler",
      "dh-ode45", "maximal-euler", "maximal-rk4", "maximal-ode-step", "analytic"},
-    {"max_error_q", "rms_error_q", "reference_uncertainty", "divergence_time", "max_energy_drift", "rms_energy_drift",
-     "final_energy_drift", "max_gap", "max_out_of_plane", "max_reaction_error"}};
+    [] {
+      std::vector<std::string> all;
+      for (const MetricRow& row : metric_table()) all.emplace_back(row.name);
+      return all;
+    }()};
 
 const std::string single = R"(
 problem = "single_pendulum"

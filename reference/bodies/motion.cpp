@@ -1,0 +1,32 @@
+#include "reference/bodies/motion.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "odeval/error.hpp"
+#include "reference/bodies/free_bodies.hpp"
+
+namespace odeval::reference {
+namespace {
+
+struct MotionRow {
+  std::string_view problem;
+  std::unique_ptr<BodyMotion> (*make)(const Scenario&);
+};
+
+/// The one table of true motions, a row a problem of the family.
+constexpr std::array motions{
+    MotionRow{"free_box", make_free_bodies},
+};
+
+}  // namespace
+
+std::unique_ptr<BodyMotion> make_body_motion(const Scenario& scenario) {
+  const auto row = std::ranges::find(motions, scenario.problem->name, &MotionRow::problem);
+  if (row == motions.end()) {
+    throw UserError(scenario.name + ": no closed form is known for " + std::string(scenario.problem->name));
+  }
+  return row->make(scenario);
+}
+
+}  // namespace odeval::reference

@@ -1,0 +1,40 @@
+#pragma once
+// The true motion of a scenario's bodies: what method `analytic` shows and every error is measured against.
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "odeval/method.hpp"
+#include "odeval/scenario.hpp"
+
+namespace odeval::reference {
+
+/// How far a motion may itself be off, of the worst body.
+struct BodyDoubt {
+  double position_m = 0;
+  double turn_rad = 0;
+};
+
+/// Where a scenario's bodies are at any time from one step before the start on (the half-step start asks for that).
+class BodyMotion {
+ public:
+  virtual ~BodyMotion() = default;
+
+  /// States of all bodies, in the scenario's order, at t seconds. At an impact: after it.
+  virtual void at(double t, std::span<BodyState> bodies) const = 0;
+
+  /// Bound on the error of `at`.
+  virtual BodyDoubt doubt(double t) const = 0;
+
+  /// Of the first body with the ground, up to a time.
+  virtual std::vector<Impact> impacts(double) const { return {}; }
+
+  /// In a few words, for tables and summaries.
+  virtual std::string described() const = 0;
+};
+
+/// Throws UserError when the scenario asks for what has no closed form.
+std::unique_ptr<BodyMotion> make_body_motion(const Scenario& scenario);
+
+}  // namespace odeval::reference
