@@ -53,14 +53,18 @@ double cpu_seconds() {
 
 Evaluator::Evaluator(Scenario scenario) : scenario_(std::move(scenario)), grid_(sample_grid(scenario_)) {}
 
-Evaluator::Evaluator(Scenario scenario, Reference reference) : Evaluator(std::move(scenario)) {
+Evaluator::Evaluator(Scenario scenario, Reference reference)
+    : Evaluator(std::move(scenario), std::make_shared<const Reference>(std::move(reference))) {}
+
+Evaluator::Evaluator(Scenario scenario, std::shared_ptr<const Reference> reference) : Evaluator(std::move(scenario)) {
   reference_ = std::move(reference);
 }
 
 const Reference& Evaluator::reference() {
   if (!reference_) {
-    reference_ = scenario_.family() == Family::bodies ? reference::solve_body_reference(scenario_, grid_)
-                                                      : reference::solve_reference(scenario_, grid_);
+    reference_ = std::make_shared<const Reference>(scenario_.family() == Family::bodies
+                                                       ? reference::solve_body_reference(scenario_, grid_)
+                                                       : reference::solve_reference(scenario_, grid_));
   }
   return *reference_;
 }

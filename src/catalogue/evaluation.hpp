@@ -1,6 +1,6 @@
 #pragma once
 // A scenario in a method beside the reference: the sentence the whole program says.
-#include <optional>
+#include <memory>
 
 #include "catalogue/methods.hpp"
 #include "odeval/metrics.hpp"
@@ -23,6 +23,7 @@ class Evaluator {
   explicit Evaluator(Scenario scenario);
   /// The same with a reference that another evaluator of the motion solved, whose rows stand at the same times.
   Evaluator(Scenario scenario, Reference reference);
+  Evaluator(Scenario scenario, std::shared_ptr<const Reference> reference);
 
   const Scenario& scenario() const { return scenario_; }
   const SampleGrid& grid() const { return grid_; }
@@ -44,7 +45,7 @@ class Evaluator {
  private:
   Scenario scenario_;
   SampleGrid grid_;
-  std::optional<Reference> reference_;
+  std::shared_ptr<const Reference> reference_;  // null: not needed yet
 };
 
 /// CPU seconds this thread has used.

@@ -14,9 +14,13 @@ Progress::~Progress() {
 
 void Progress::next(const std::string& what) {
   ++done_;
+  show("[" + std::to_string(done_) + "/" + std::to_string(total_) + "] " + what);
+}
+
+void Progress::show(const std::string& line) const {
   if (!shown_) return;
   clear();
-  std::fprintf(stderr, "[%zu/%zu] %s", done_, total_, what.c_str());
+  std::fputs(line.c_str(), stderr);
   std::fflush(stderr);
 }
 

@@ -16,6 +16,10 @@ class Progress {
   /// Shows that the next piece begins.
   void next(const std::string& what);
 
+  bool shown() const { return shown_; }
+  /// Shows the line as it is.
+  void show(const std::string& line) const;
+
  private:
   void clear() const;
 

@@ -60,7 +60,15 @@ void Settings::attach(CLI::App& app) {
       ->group("Settings, each on top of the scenario file");
 }
 
+std::filesystem::path scenario_file(const std::string& name_or_path) {
+  return find_scenario(name_or_path, catalogue::scenario_folder());
+}
+
 Scenario Settings::read(const std::string& name_or_path) const {
+  return read_scenario(scenario_file(name_or_path), overrides(), known_names());
+}
+
+std::vector<Override> Settings::overrides() const {
   std::vector<Override> overrides;
   for (const Flag& flag : flags_) {
     if (flag.option->count() > 0) overrides.push_back({flag.key, flag.value, flag.flag});
@@ -72,7 +80,7 @@ Scenario Settings::read(const std::string& name_or_path) const {
     }
     overrides.push_back({set.substr(0, equals), set.substr(equals + 1), "--set"});
   }
-  return read_scenario(find_scenario(name_or_path, catalogue::scenario_folder()), overrides, known_names());
+  return overrides;
 }
 
 void add_method_option(CLI::App& app, std::vector<std::string>& methods) {

@@ -23,6 +23,9 @@ class Settings {
   /// Reads a scenario by name or path with the flags on top. Throws UserError.
   Scenario read(const std::string& name_or_path) const;
 
+  /// The flags that were typed, in the order in which they count.
+  std::vector<Override> overrides() const;
+
  private:
   struct Flag {
     std::string flag;
@@ -41,6 +44,9 @@ void add_out_option(CLI::App& app, std::string& out);
 /// The methods to run: those asked for, or else the scenario's own list. A method of that list that is missing in this
 /// build or does not do the problem is left out with a line on stderr; one that was asked for is a UserError.
 std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::string>& asked, const Scenario& scenario);
+
+/// The file of a scenario by name or path. Throws UserError.
+std::filesystem::path scenario_file(const std::string& name_or_path);
 
 /// The words a scenario file may use for methods and metrics, from the catalogues.
 Names known_names();

@@ -22,23 +22,6 @@ namespace {
   throw MachineError(fmt::format("{}: cannot be written: {}", file.string(), std::strerror(cause)));
 }
 
-/// Writes all of the text to the open file and closes it. Returns 0 or the error number.
-int write_and_close(int descriptor, std::string_view text) {
-  int cause = 0;
-  while (cause == 0 && !text.empty()) {
-    const ssize_t written = ::write(descriptor, text.data(), text.size());
-    if (written > 0) {
-      text.remove_prefix(static_cast<std::size_t>(written));
-    } else if (written == 0) {
-      cause = EIO;
-    } else if (errno != EINTR) {
-      cause = errno;
-    }
-  }
-  if (::close(descriptor) != 0 && cause == 0) cause = errno;
-  return cause;
-}
-
 void make_folders(const fs::path& file) {
   if (!file.has_parent_path()) return;
   std::error_code error;
@@ -48,29 +31,67 @@ void make_folders(const fs::path& file) {
 
 }  // namespace
 
-void write_whole(const fs::path& file, std::string_view text) {
-  make_folders(file);
+WholeFile::WholeFile(fs::path file) : file_(std::move(file)) {
+  make_folders(file_);
   std::error_code absent;
-  const fs::path target = fs::is_symlink(file, absent) && fs::exists(file, absent) ? fs::canonical(file) : file;
-  const fs::file_status status = fs::status(target, absent);
-  if (fs::is_directory(status)) fail(file, EISDIR);
+  target_ = fs::is_symlink(file_, absent) && fs::exists(file_, absent) ? fs::canonical(file_) : file_;
+  const fs::file_status status = fs::status(target_, absent);
+  if (fs::is_directory(status)) fail(file_, EISDIR);
 
   const bool whole = !fs::exists(status) || fs::is_regular_file(status);
-  fs::path written = target;
-  if (whole) written.replace_filename(fmt::format(".{}.{}.part", target.filename().string(), ::getpid()));
+  written_ = target_;
+  if (whole) written_.replace_filename(fmt::format(".{}.{}.part", target_.filename().string(), ::getpid()));
   const int flags = O_WRONLY | O_CLOEXEC | (whole ? O_CREAT | O_TRUNC : 0);
-  const int descriptor = ::open(written.c_str(), flags, 0666);
-  if (descriptor < 0) fail(file, errno);
-  int cause = write_and_close(descriptor, text);
-  if (!whole) {
-    if (cause != 0) fail(file, cause);
-    return;
+  descriptor_ = ::open(written_.c_str(), flags, 0666);
+  if (descriptor_ < 0) fail(file_, errno);
+}
+
+WholeFile::~WholeFile() {
+  if (descriptor_ < 0) return;
+  ::close(descriptor_);
+  if (written_ != target_) ::unlink(written_.c_str());
+}
+
+void WholeFile::give_up(int cause) {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  descriptor_ = -1;
+  if (written_ != target_) ::unlink(written_.c_str());
+  fail(file_, cause);
+}
+
+void WholeFile::write(std::string_view text) {
+  constexpr std::size_t enough = 1 << 16;
+  buffer_ += text;
+  if (buffer_.size() >= enough) flush();
+}
+
+void WholeFile::flush() {
+  std::string_view rest = buffer_;
+  while (!rest.empty()) {
+    const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
+    if (written > 0) {
+      rest.remove_prefix(static_cast<std::size_t>(written));
+    } else if (written == 0) {
+      give_up(EIO);
+    } else if (errno != EINTR) {
+      give_up(errno);
+    }
   }
-  if (cause == 0 && ::rename(written.c_str(), target.c_str()) != 0) cause = errno;
-  if (cause != 0) {
-    ::unlink(written.c_str());
-    fail(file, cause);
-  }
+  buffer_.clear();
+}
+
+void WholeFile::finish() {
+  flush();
+  const int closed = ::close(descriptor_);
+  descriptor_ = -1;
+  if (closed != 0) give_up(errno);
+  if (written_ != target_ && ::rename(written_.c_str(), target_.c_str()) != 0) give_up(errno);
+}
+
+void write_whole(const fs::path& file, std::string_view text) {
+  WholeFile whole(file);
+  whole.write(text);
+  whole.finish();
 }
 
 std::string read_whole(const fs::path& file) {

@@ -48,8 +48,9 @@ class Reader {
   Reader(const std::filesystem::path& file, const std::vector<Override>& overrides, const Names& names)
       : file_(file), overrides_(overrides), names_(names) {}
 
-  Scenario read() {
-    const toml::table tree = toml_tree(file_, overrides_);
+  /// `tree` is the file's; the overrides are put on top.
+  Scenario read(toml::table tree) {
+    apply(tree, overrides_);
     scenario_.name = file_.stem().string();
     scenario_.file = file_.string();
     check_name();
@@ -426,7 +427,30 @@ class Reader {
 }  // namespace
 
 Scenario read_scenario(const std::filesystem::path& file, const std::vector<Override>& overrides, const Names& names) {
-  return Reader(file, overrides, names).read();
+  return ScenarioFile(file).read(overrides, names);
+}
+
+struct ScenarioFile::Tree {
+  toml::table table;
+};
+
+ScenarioFile::ScenarioFile(std::filesystem::path file) : ScenarioFile(file, scenario_text(file)) {}
+
+ScenarioFile::ScenarioFile(std::filesystem::path file, std::string_view text)
+    : file_(std::move(file)), tree_(new Tree{toml_tree(file_, text)}) {}
+
+ScenarioFile::~ScenarioFile() = default;
+
+Scenario ScenarioFile::read(const std::vector<Override>& overrides, const Names& names) const {
+  return Reader(file_, overrides, names).read(tree_->table);
+}
+
+std::string ScenarioFile::text(const std::vector<Override>& overrides) const {
+  toml::table table = tree_->table;
+  apply(table, overrides);
+  std::ostringstream out;
+  out << table;
+  return out.str();
 }
 
 }  // namespace odeval

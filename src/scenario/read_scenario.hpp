@@ -1,6 +1,9 @@
 #pragma once
 // A scenario file with the command line on top, checked.
 #include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "odeval/scenario.hpp"
@@ -14,5 +17,28 @@ namespace odeval {
 /// Names   methods and metrics the file may name
 /// Throws  UserError of one line: file or flag, key, value and what would be right
 Scenario read_scenario(const std::filesystem::path& file, const std::vector<Override>& overrides, const Names& names);
+
+/// A scenario file that is loaded once and read many times, each time with other settings on top.
+class ScenarioFile {
+ public:
+  /// Throws UserError when the file cannot be read or is not TOML.
+  explicit ScenarioFile(std::filesystem::path file);
+  /// The same with the file's text at hand; `file` is its name.
+  ScenarioFile(std::filesystem::path file, std::string_view text);
+  ~ScenarioFile();
+  ScenarioFile(const ScenarioFile&) = delete;
+  ScenarioFile& operator=(const ScenarioFile&) = delete;
+
+  /// As `read_scenario`.
+  Scenario read(const std::vector<Override>& overrides, const Names& names) const;
+
+  /// The file with the settings on top as TOML in one spelling: no comments, keys in order.
+  std::string text(const std::vector<Override>& overrides) const;
+
+ private:
+  struct Tree;  // toml++ stays out of this header
+  std::filesystem::path file_;
+  std::unique_ptr<const Tree> tree_;
+};
 
 }  // namespace odeval

@@ -21,31 +21,6 @@ namespace fs = std::filesystem;
 // A scenario is a page of text; whatever is longer (a trace, /dev/zero) is something else.
 constexpr std::size_t longest_file = 1 << 20;
 
-std::string text_of(const fs::path& file) {
-  const std::string name = one_line(file.string());
-  std::error_code ignored;
-  if (fs::is_directory(file, ignored)) throw UserError(name + ": is a directory; a scenario file is wanted");
-  errno = 0;
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw UserError(fmt::format("{}: cannot be read: {}", name, std::strerror(errno)));
-  std::string text(longest_file + 1, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (in.bad()) throw UserError(fmt::format("{}: cannot be read: {}", name, std::strerror(errno)));
-  text.resize(static_cast<std::size_t>(in.gcount()));
-  if (text.size() > longest_file) throw UserError(name + ": is longer than 1 MiB; a scenario file is wanted");
-  return text;
-}
-
-toml::table parse_file(const fs::path& file) {
-  const std::string text = text_of(file);
-  try {
-    return toml::parse(text);
-  } catch (const toml::parse_error& error) {
-    throw UserError(fmt::format("{}:{}: not TOML: {}", one_line(file.string()), error.source().begin.line,
-                                one_line(error.description(), 200)));
-  }
-}
-
 // `.5`, `1.` and `007` are numbers on a command line though not in TOML.
 bool is_number(const std::string& text, double& number) {
   const char* const end = text.data() + text.size();
@@ -129,10 +104,32 @@ void apply(toml::table& tree, const Override& setting) {
 
 }  // namespace
 
-toml::table toml_tree(const fs::path& file, const std::vector<Override>& overrides) {
-  toml::table tree = parse_file(file);
+std::string scenario_text(const fs::path& file) {
+  const std::string name = one_line(file.string());
+  std::error_code ignored;
+  if (fs::is_directory(file, ignored)) throw UserError(name + ": is a directory; a scenario file is wanted");
+  errno = 0;
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw UserError(fmt::format("{}: cannot be read: {}", name, std::strerror(errno)));
+  std::string text(longest_file + 1, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (in.bad()) throw UserError(fmt::format("{}: cannot be read: {}", name, std::strerror(errno)));
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  if (text.size() > longest_file) throw UserError(name + ": is longer than 1 MiB; a scenario file is wanted");
+  return text;
+}
+
+toml::table toml_tree(const fs::path& file, std::string_view text) {
+  try {
+    return toml::parse(text);
+  } catch (const toml::parse_error& error) {
+    throw UserError(fmt::format("{}:{}: not TOML: {}", one_line(file.string()), error.source().begin.line,
+                                one_line(error.description(), 200)));
+  }
+}
+
+void apply(toml::table& tree, const std::vector<Override>& overrides) {
   for (const Override& setting : overrides) apply(tree, setting);
-  return tree;
 }
 
 std::string typed(const Override& setting) {

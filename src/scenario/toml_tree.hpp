@@ -6,15 +6,21 @@
 #include <toml++/toml.h>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "scenario/override.hpp"
 
 namespace odeval {
 
-/// Throws UserError for a file that cannot be read, a syntax error (with its line), a value that is no TOML
-/// and a key that leads nowhere.
-toml::table toml_tree(const std::filesystem::path& file, const std::vector<Override>& overrides);
+/// The text of a scenario file. Throws UserError when it cannot be read or is no page of text.
+std::string scenario_text(const std::filesystem::path& file);
+
+/// Throws UserError, with `file` as its name and the line, for a syntax error.
+toml::table toml_tree(const std::filesystem::path& file, std::string_view text);
+
+/// Puts the settings into the tree. Throws UserError for a value that is no TOML and a key that leads nowhere.
+void apply(toml::table& tree, const std::vector<Override>& overrides);
 
 /// The setting as the user typed it: `--erp 1.5`, `--set q0=[1.0]`.
 std::string typed(const Override& setting);

@@ -1,0 +1,110 @@
+#include "catalogue/grid_runs.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <tuple>
+
+#include "catalogue/reference_bytes.hpp"
+#include "odeval/error.hpp"
+#include "output/sweep_table.hpp"
+
+namespace odeval::catalogue {
+namespace {
+
+// Keys of a scenario that the true motion does not know, and those that only say at which times it is looked at.
+constexpr std::array engine_sections{"ode", "maximal", "tolerances"};
+constexpr std::array engine_keys{"method", "methods", "rtol", "atol"};
+constexpr std::array time_keys{"step", "sample", "duration"};
+
+bool moves_the_reference(const std::string& key) {
+  const auto is = [](std::string_view name) { return [name](const char* other) { return name == other; }; };
+  const std::string section = key.substr(0, key.find('.'));
+  return std::ranges::none_of(engine_sections, is(section)) && std::ranges::none_of(engine_keys, is(key)) &&
+         std::ranges::none_of(time_keys, is(key));
+}
+
+/// Up to the rounding that `compare` forgives.
+bool same_times(const SampleGrid& a, const SampleGrid& b) {
+  return a.rows == b.rows && std::fabs(a.time(1) - b.time(1)) <= 2 * std::numeric_limits<double>::epsilon() * b.time(1);
+}
+
+}  // namespace
+
+GridRuns::GridRuns(const ScenarioFile& file, std::vector<Override> settings, Names names, sweep::Grid grid)
+    : file_(file), settings_(std::move(settings)), names_(std::move(names)), grid_(std::move(grid)) {}
+
+Scenario GridRuns::scenario(long run) const {
+  std::vector<Override> settings = settings_;
+  const std::vector<std::string> values = grid_.values(run);
+  for (std::size_t i = 0; i + 1 < values.size(); ++i) settings.push_back({grid_.axes()[i].key, values[i], "--grid"});
+  Scenario scenario = file_.read(settings, names_);
+  scenario.tolerances.clear();
+  if (!scenario.sample_s) {
+    const double steps = std::ceil(scenario.duration_s / scenario.step_s * (1 - 1e-12));
+    const double stride = std::ceil(steps / static_cast<double>(enough_rows));
+    if (stride > 1) scenario.sample_s = stride * scenario.step_s;
+  }
+  return scenario;
+}
+
+std::vector<std::uint32_t> GridRuns::groups(const std::function<void(long run)>& checked) {
+  struct Kind {
+    std::uint32_t group;
+    SampleGrid times;
+  };
+  std::map<std::vector<std::size_t>, std::vector<Kind>> kinds;  // by the values that move the reference
+
+  std::vector<std::size_t> moving;
+  for (std::size_t i = 0; i < grid_.axes().size(); ++i) {
+    if (moves_the_reference(grid_.axes()[i].key)) moving.push_back(i);
+  }
+  const auto methods = static_cast<long>(grid_.axes().back().values.size());
+  std::vector<std::uint32_t> groups(static_cast<std::size_t>(grid_.runs()));
+  first_of_group_.clear();
+  for (long run = 0; run < grid_.runs(); run += methods) {
+    if (checked) checked(run);
+    const Scenario point = scenario(run);
+    for (const std::string& name : grid_.axes().back().values) {
+      require_claim(find_method(name), *point.problem, "--method");
+    }
+    const SampleGrid times = sample_grid(point);
+    const std::vector<std::size_t> places = grid_.places(run);
+    std::vector<std::size_t> key;
+    for (const std::size_t axis : moving) key.push_back(places[axis]);
+    std::vector<Kind>& alike = kinds[key];
+    auto kind = std::ranges::find_if(alike, [&](const Kind& other) { return same_times(times, other.times); });
+    if (kind == alike.end()) {
+      kind = alike.insert(alike.end(), {static_cast<std::uint32_t>(first_of_group_.size()), times});
+      first_of_group_.push_back(run);
+    }
+    std::fill_n(groups.begin() + run, methods, kind->group);
+  }
+  return groups;
+}
+
+sweep::Work GridRuns::work() {
+  return {[this](long group) {
+            Evaluator evaluator(scenario(first_of_group_[static_cast<std::size_t>(group)]));
+            return reference_bytes(evaluator.reference());
+          },
+          [this](long run, long group, std::string_view prepared) { return this->run(run, group, prepared); }};
+}
+
+sweep::Row GridRuns::run(long run, long group, std::string_view prepared) {
+  if (group != group_) {
+    reference_ = std::make_shared<const Reference>(reference_of(prepared));
+    group_ = group;
+  }
+  Evaluator evaluator(scenario(run), reference_);
+  const Evaluation evaluation = evaluator.evaluate(find_method(grid_.values(run).back()));
+  const SampleGrid& rows = evaluator.grid();
+  const Metrics metrics = evaluator.measure(evaluation, rows.time(rows.rows - 1));
+  const Outcome& outcome = evaluation.outcome;
+  return {outcome.diverged ? sweep::Status::diverged : sweep::Status::ok, outcome.reason,
+          std::lround(1e6 * evaluation.cpu_s), result_cells(outcome, metrics)};
+}
+
+}  // namespace odeval::catalogue

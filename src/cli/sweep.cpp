@@ -1,0 +1,191 @@
+// odeval sweep: a grid of settings in every method, in worker processes, with a journal that survives all of them.
+#include <fmt/format.h>
+#include <sched.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <cstring>
+#include <iostream>
+
+#include "catalogue/grid_runs.hpp"
+#include "catalogue/versions.hpp"
+#include "cli/commands.hpp"
+#include "cli/progress.hpp"
+#include "cli/settings.hpp"
+#include "cli/sweep_answer.hpp"
+#include "odeval/error.hpp"
+#include "output/sweep_table.hpp"
+#include "sweep/sweep.hpp"
+
+namespace odeval::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string scenario;
+  std::vector<std::string> grids;
+  std::vector<std::string> methods;
+  Settings settings;
+  int jobs = 1;
+  std::string shard = "1/1";
+  double timeout_s = 3600;
+  std::string out = "results";
+  AnswerOptions answer;
+};
+
+/// Cores that this process may use.
+int usable_cores() {
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  return ::sched_getaffinity(0, sizeof cores, &cores) == 0 ? std::max(1, CPU_COUNT(&cores)) : 1;
+}
+
+bool is_whole_key(const std::string& key) {
+  return std::ranges::any_of(key_table(), [&](const KeyRow& row) {
+    return row.kind == KeyKind::whole &&
+           key == (row.section.empty() ? "" : std::string(row.section) + ".") + std::string(row.name);
+  });
+}
+
+sweep::Grid grid_of(const Options& options, const std::vector<Override>& settings,
+                    const std::vector<const catalogue::Method*>& methods) {
+  std::vector<sweep::Axis> axes;
+  for (const std::string& text : options.grids) {
+    axes.push_back(sweep::parse_axis(text, is_whole_key));
+    const auto same = std::ranges::find(settings, axes.back().key, &Override::key);
+    if (same != settings.end()) {
+      throw UserError("--grid " + axes.back().key + ": is set by " + same->origin + " as well");
+    }
+  }
+  sweep::Axis& names = axes.emplace_back(sweep::Axis{"method", {}});
+  for (const catalogue::Method* method : methods) names.values.emplace_back(method->name);
+  return sweep::Grid(std::move(axes));
+}
+
+std::string versions_text() {
+  std::string text;
+  for (const auto& [name, version] : catalogue::versions()) text += name + ' ' + version + '\n';
+  return text;
+}
+
+std::string time_text(double seconds) {
+  const auto whole = static_cast<long>(seconds + 0.5);
+  return whole >= 3600 ? fmt::format("{}:{:02}:{:02} h", whole / 3600, whole / 60 % 60, whole % 60)
+                       : fmt::format("{}:{:02} min", whole / 60, whole % 60);
+}
+
+/// "[120/4000] 83 runs/s, 0:47 min left, 3 diverged", ten times a second at most.
+class SweepProgress {
+ public:
+  SweepProgress(const sweep::Journal& journal, bool quiet)
+      : line_(0, quiet),
+        total_(journal.head().shard.runs_of(journal.runs())),
+        begun_with_(journal.rows()),
+        begun_at_s_(sweep::steady_seconds()) {}
+
+  void show(const sweep::Journal& journal) {
+    const double now = sweep::steady_seconds();
+    if (!line_.shown() || now - shown_at_s_ < 0.1) return;
+    shown_at_s_ = now;
+    std::string text = fmt::format("[{}/{}]", journal.rows(), total_);
+    const auto done = static_cast<double>(journal.rows() - begun_with_);
+    if (done > 0 && now > begun_at_s_) {
+      const double rate = done / (now - begun_at_s_);
+      text +=
+          fmt::format(" {:.3g} runs/s, {} left", rate, time_text(static_cast<double>(total_ - journal.rows()) / rate));
+    }
+    for (const auto status : {sweep::Status::diverged, sweep::Status::crashed, sweep::Status::timeout}) {
+      if (journal.rows(status) > 0) text += fmt::format(", {} {}", journal.rows(status), status_name(status));
+    }
+    line_.show(text);
+  }
+
+ private:
+  Progress line_;
+  long total_;
+  long begun_with_;
+  double begun_at_s_;
+  double shown_at_s_ = 0;
+};
+
+/// Half-written tables of a sweep that was killed while it wrote them; its journal's lock is ours now.
+void remove_parts(const fs::path& journal) {
+  const std::string begin = "." + journal.stem().string();
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(journal.parent_path(), ignored)) {
+    const std::string name = entry.path().filename().string();
+    const bool ours = name.starts_with(begin + ".csv.") || name.starts_with(begin + "-");
+    if (ours && name.ends_with(".part")) fs::remove(entry.path(), ignored);
+  }
+}
+
+int sweep_grid(const Options& options) {
+  const ScenarioFile file(scenario_file(options.scenario));
+  const std::vector<Override> settings = options.settings.overrides();
+  const Scenario base = file.read(settings, known_names());
+  catalogue::GridRuns runs(file, settings, known_names(),
+                           grid_of(options, settings, chosen_methods(options.methods, base)));
+  const sweep::Head head{base.name,           sweep::parse_shard(options.shard),
+                         runs.grid().axes(),  result_columns(),
+                         file.text(settings), versions_text()};
+  std::vector<std::uint32_t> groups;
+  {
+    Progress progress(0, options.answer.quiet);
+    groups = runs.groups([&](long run) {
+      if (run % 1000 == 0) progress.show(fmt::format("checking run {} of {}", run, runs.grid().runs()));
+    });
+  }
+
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may grow no further is an error like a full disk
+  const fs::path place = journal_file(options.out, base.name);
+  sweep::Journal journal(place, head);
+  remove_parts(place);
+  if (journal.damaged() > 0) {
+    std::cerr << fmt::format("odeval: {}: {} damaged line{} left out; what they said is done again\n", place.string(),
+                             journal.damaged(), journal.damaged() == 1 ? "" : "s");
+  }
+  int signal = 0;
+  {
+    SweepProgress progress(journal, options.answer.quiet);
+    signal = run_sweep(runs.work(), groups, journal,
+                       {options.jobs, options.timeout_s, [&](const auto& now) { progress.show(now); }});
+  }
+  if (signal != 0) {
+    std::cerr << fmt::format(
+        "odeval: stopped by {}; {} of {} runs are in {}, and the same command goes on from there\n",
+        ::strsignal(signal), journal.rows(), head.shard.runs_of(journal.runs()), place.string());
+    return 128 + signal;
+  }
+  return answer(journal, options.out, options.answer);
+}
+
+}  // namespace
+
+Action attach_sweep(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  options->jobs = usable_cores();
+  app.add_option("SCENARIO", options->scenario, "a name ('odeval list') or a .toml file")->required();
+  app.add_option("--grid", options->grids,
+                 "values of a key of the file: KEY=V1,V2,... or N of them, KEY=log:A:B:N or KEY=lin:A:B:N; each --grid "
+                 "multiplies the runs")
+      ->type_name("KEY=VALUES")
+      ->allow_extra_args(false);
+  add_method_option(app, options->methods);
+  app.add_option("--jobs", options->jobs, "runs at a time; default: one a core")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024));
+  app.add_option("--shard", options->shard, "only every N-th run, from the I-th on; 'odeval merge' joins them")
+      ->type_name("I/N");
+  app.add_option("--timeout", options->timeout_s, "seconds after which a run is given up")
+      ->type_name("S")
+      ->check(CLI::Range(1e-3, 1e7))
+      ->capture_default_str();
+  add_out_option(app, options->out);
+  add_answer_options(app, options->answer);
+  options->settings.attach(app);
+  return [options] { return sweep_grid(*options); };
+}
+
+}  // namespace odeval::cli

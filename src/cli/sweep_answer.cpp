@@ -1,0 +1,228 @@
+#include "cli/sweep_answer.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+
+#include "odeval/error.hpp"
+#include "odeval/metrics.hpp"
+#include "output/file.hpp"
+#include "output/number.hpp"
+#include "output/sweep_table.hpp"
+#include "output/table.hpp"
+#include "report/front.hpp"
+#include "sweep/front.hpp"
+
+namespace odeval::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using sweep::Head;
+using sweep::Journal;
+using sweep::Point;
+using sweep::Row;
+using sweep::Status;
+
+/// Metrics of which less is better.
+std::vector<std::string> error_metrics() {
+  std::vector<std::string> names;
+  for (const MetricRow& row : metric_table()) {
+    if (row.name.starts_with("max_") || row.name.starts_with("rms_") || row.name.starts_with("final_")) {
+      names.emplace_back(row.name);
+    }
+  }
+  return names;
+}
+
+/// Reads an error out of a row's cells.
+class ErrorOf {
+ public:
+  ErrorOf(const Head& head, const std::string& metric) : error_(place(head, metric)) {
+    const auto table = metric_table();
+    const auto row = std::ranges::find_if(table, [&](const MetricRow& r) { return r.name == metric; });
+    if (!row->doubt.empty()) doubt_ = place(head, std::string(row->doubt));
+  }
+
+  double value(const Row& row) const { return std::fabs(number_in(row.cells, error_)); }
+  /// Of the reference; none where the metric does not depend on it.
+  std::optional<double> doubt(const Row& row) const {
+    if (!doubt_) return std::nullopt;
+    return number_in(row.cells, *doubt_);
+  }
+  /// What the error is no larger than.
+  double bound(const Row& row) const { return value(row) + doubt(row).value_or(0); }
+
+ private:
+  static std::size_t place(const Head& head, const std::string& name) {
+    const auto found = std::ranges::find(head.columns, name);
+    if (found == head.columns.end()) throw UserError("--error " + name + ": is no column of this sweep's table");
+    return static_cast<std::size_t>(found - head.columns.begin());
+  }
+
+  std::size_t error_;
+  std::optional<std::size_t> doubt_;
+};
+
+std::vector<std::string> keys_of(const Head& head) {
+  std::vector<std::string> keys;
+  for (const sweep::Axis& axis : head.axes) keys.push_back(axis.key);
+  return keys;
+}
+
+/// The table and the timings, row by row, and on the way what the front is made of.
+std::vector<Point> write_tables(const Journal& journal, const fs::path& stem, const ErrorOf& error) {
+  const Head& head = journal.head();
+  const sweep::Grid grid(head.axes);
+  WholeFile table(stem.string() + ".csv");
+  WholeFile timing(stem.string() + "-timing.csv");
+  table.write(sweep_header(keys_of(head), head.columns));
+  timing.write("run,cpu_s\n");
+  std::vector<Point> points;
+  for (long run = 0; run < journal.runs(); ++run) {
+    if (!journal.has(run)) continue;
+    const Row row = journal.row(run);
+    table.write(
+        sweep_line(run, grid.values(run), sweep::status_name(row.status), row.reason, row.cells, head.columns.size()));
+    const double cpu_s = 1e-6 * static_cast<double>(row.cpu_us);
+    timing.write(fmt::format("{},{}\n", run, number_text(cpu_s)));
+    if (row.status == Status::ok) points.push_back({run, cpu_s, error.bound(row)});
+  }
+  table.finish();
+  timing.finish();
+  return points;
+}
+
+/// The first error of the table that any run has; all have an energy.
+std::string first_error(const Journal& journal) {
+  const auto table = metric_table();
+  for (const MetricRow& metric : table) {
+    if (metric.doubt.empty()) continue;
+    const ErrorOf error(journal.head(), std::string(metric.name));
+    for (long run = 0; run < journal.runs(); ++run) {
+      if (journal.has(run) && std::isfinite(error.value(journal.row(run)))) return std::string(metric.name);
+    }
+  }
+  return "max_energy_drift";
+}
+
+std::string unit_of(const std::string& metric) {
+  const auto table = metric_table();
+  const auto row = std::ranges::find_if(table, [&](const MetricRow& r) { return r.name == metric; });
+  return row == table.end() || row->unit.empty() ? "" : ", " + std::string(row->unit);
+}
+
+std::string picture(const Journal& journal, const std::vector<Point>& points, const std::vector<Point>& front,
+                    const std::string& metric) {
+  constexpr std::size_t most_drawn = 20'000;  // more make one blot
+  const Head& head = journal.head();
+  report::Panel panel;
+  panel.x_label = "CPU time of the run, s";
+  panel.y_label = metric + unit_of(metric);
+  const auto& methods = head.axes.back().values;
+  for (const std::string& method : methods) panel.series.push_back({method, {}, {}, report::Mark::points});
+  const std::size_t every = points.size() / most_drawn + 1;
+  for (std::size_t i = 0; i < points.size(); i += every) {
+    report::Series& series = panel.series[static_cast<std::size_t>(points[i].run) % methods.size()];
+    series.x.push_back(points[i].cost);
+    series.y.push_back(points[i].error);
+  }
+  report::Series& line = panel.series.emplace_back(report::Series{"Pareto front", {}, {}});
+  for (const Point& point : front) {
+    line.x.push_back(point.cost);
+    line.y.push_back(point.error);
+  }
+  return front_png(panel, head.scenario + ": what an error costs");
+}
+
+std::string grid_text(const Head& head) {
+  std::string text;
+  for (const sweep::Axis& axis : head.axes) {
+    text += (text.empty() ? "" : " × ") + fmt::format("{} {}", axis.values.size(), axis.key);
+  }
+  return text;
+}
+
+std::string counts_text(const Journal& journal) {
+  std::string text;
+  for (std::size_t i = 0; i < sweep::statuses; ++i) {
+    const auto status = static_cast<Status>(i);
+    if (journal.rows(status) == 0) continue;
+    text += (text.empty() ? "" : ", ") + fmt::format("{} {}", journal.rows(status), sweep::status_name(status));
+  }
+  return text;
+}
+
+}  // namespace
+
+void add_answer_options(CLI::App& app, AnswerOptions& options) {
+  app.add_option("--error", options.error, "the error of the Pareto front; default: the angle error")
+      ->type_name("METRIC")
+      ->check(CLI::IsMember(error_metrics()));
+  app.add_flag("--quiet", options.quiet, "no table, no progress");
+}
+
+fs::path journal_file(const fs::path& folder, const std::string& scenario) {
+  return folder / "sweep" / (scenario + ".journal");
+}
+
+int answer(const Journal& journal, const fs::path& folder, const AnswerOptions& options) {
+  const Head& head = journal.head();
+  const fs::path stem = folder / "sweep" / head.scenario;
+  const std::string metric = options.error.empty() ? first_error(journal) : options.error;
+  const ErrorOf error(head, metric);
+  const std::vector<Point> points = write_tables(journal, stem, error);
+  const std::vector<Point> front = sweep::pareto_front(points);
+
+  // The front for programs, and for people.
+  const sweep::Grid grid(head.axes);
+  const std::vector<std::string> keys = keys_of(head);
+  std::string csv = "cpu_s," + metric + ",reference_uncertainty," + sweep_header(keys, head.columns);
+  std::vector<std::string> header{"CPU, ms", metric + unit_of(metric)};
+  header.insert(header.end(), keys.begin(), keys.end());
+  header.emplace_back("steps");
+  header.emplace_back("run");
+  TextTable table("rr" + std::string(keys.size(), 'l') + "rr", header);
+  for (const Point& point : front) {
+    const Row row = journal.row(point.run);
+    const std::vector<std::string> values = grid.values(point.run);
+    const std::optional<double> doubt = error.doubt(row);
+    csv += fmt::format(
+        "{},{},{},{}", number_text(point.cost), number_text(error.value(row)), doubt ? number_text(*doubt) : "",
+        sweep_line(point.run, values, sweep::status_name(row.status), row.reason, row.cells, head.columns.size()));
+    std::vector<std::string> cells{three_digits(1e3 * point.cost), with_uncertainty(error.value(row), doubt)};
+    cells.insert(cells.end(), values.begin(), values.end());
+    cells.push_back(number_text(number_in(row.cells, 0)));
+    cells.push_back(std::to_string(point.run));
+    table.add(cells);
+  }
+  write_whole(stem.string() + "-front.csv", csv);
+  bool drawn = false;
+  try {
+    const std::string png = picture(journal, points, front, metric);
+    drawn = !png.empty();
+    if (drawn) write_whole(stem.string() + "-front.png", png);
+  } catch (const MachineError& problem) {
+    std::cerr << "odeval: the front is not drawn: " << problem.what() << '\n';
+  }
+
+  if (!options.quiet) {
+    const std::string shard = head.shard.whole() ? "" : ", shard " + head.shard.text();
+    std::cout << fmt::format("{}: {} runs ({}{}): {}\n", head.scenario, journal.rows(), grid_text(head), shard,
+                             counts_text(journal));
+    if (front.empty()) {
+      std::cout << "\nno run went through with a " << metric << ": there is no front\n";
+    } else {
+      std::cout << "\nthe least " << metric << " that a cost buys (Pareto front)\n\n"
+                << table.text()
+                << "\nCPU time of the stepping, each run once, while others ran beside it; 'odeval recommend' measures "
+                   "properly\n";
+    }
+    std::cout << fmt::format("wrote {0}.csv, -timing.csv, -front.csv{1}\n", stem.string(), drawn ? ", -front.png" : "");
+  }
+  return journal.rows(Status::ok) == journal.rows() ? 0 : 1;
+}
+
+}  // namespace odeval::cli

@@ -1,0 +1,99 @@
+#pragma once
+// A forked process that does one task after another and sends each result back whole. ODE's globals allow nothing else,
+// and what a run does to the process (an abort, a leak) ends with it.
+#include <sys/types.h>
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sweep/journal.hpp"
+
+namespace odeval::sweep {
+
+/// What is swept. The functions are called in workers only.
+struct Work {
+  /// What the runs of a group share, as bytes: made once, by one of the workers.
+  std::function<std::string(long group)> prepare;
+
+  /// One run. A MachineError makes a row `crashed`, a UserError ends the sweep.
+  std::function<Row(long run, long group, std::string_view prepared)> run;
+};
+
+/// Memory that outlives the worker that fills it and that all workers see.
+class Shared {
+ public:
+  Shared();
+  ~Shared();
+  Shared(const Shared&) = delete;
+  Shared& operator=(const Shared&) = delete;
+
+  void fill(std::string_view bytes) const;
+  void clear() const;
+
+  /// Calls `use` with the bytes, which are gone afterwards.
+  void with(const std::function<void(std::string_view bytes)>& use) const;
+
+ private:
+  int descriptor_;
+};
+
+struct Task {
+  enum class Kind : int { prepare, run };
+  Kind kind = Kind::run;
+  long run = 0;  // of the grid
+  long group = 0;
+  int place = 0;  // of the group's Shared
+};
+
+/// What came of a task.
+struct Answer {
+  enum class Kind : char { done, failed, refused };
+  Kind kind = Kind::done;
+  Row row;           // of a run that was done
+  std::string text;  // why not
+};
+
+class Worker {
+ public:
+  /// Forks. `shared` stays where it is. Throws MachineError.
+  Worker(const Work& work, const std::vector<Shared>& shared);
+  ~Worker();  // ends the process
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  int descriptor() const { return descriptor_; }  // readable when there is an answer or an end
+  pid_t process() const { return process_; }
+  bool busy() const { return task_.has_value(); }
+  const Task& task() const { return *task_; }
+  long tasks() const { return tasks_; }  // begun
+  long group() const { return group_; }  // of the last of them
+  double begun_at_s() const { return begun_at_s_; }
+
+  /// Gives the next task to a worker that is not busy. A worker that has died in the meantime will show it.
+  void give(const Task& task);
+
+  /// The answer to its task; empty when the process has ended instead.
+  std::optional<Answer> take();
+
+  void kill() const;
+
+  /// Waits for a process that has ended.
+  struct End {
+    bool from_outside = false;  // a signal that no run raises by itself
+    std::string reason;
+  };
+  End end();
+
+ private:
+  pid_t process_ = -1;
+  int descriptor_ = -1;
+  std::optional<Task> task_;
+  long tasks_ = 0;
+  long group_ = -1;
+  double begun_at_s_ = 0;
+};
+
+}  // namespace odeval::sweep
