@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstring>
+#include <optional>
 #include <type_traits>
 
 namespace odeval::catalogue {
@@ -57,6 +58,18 @@ void pass(Way& way, Column& column) {
   way.raw(column.data(), column.size() * sizeof(double));
 }
 
+template <class Way>
+void pass(Way& way, const std::optional<int>& number) {
+  const int value = number.value_or(-1);
+  pass(way, value);
+}
+template <class Way>
+void pass(Way& way, std::optional<int>& number) {
+  int value = 0;
+  pass(way, value);
+  number = value < 0 ? std::nullopt : std::optional(value);
+}
+
 template <class Way, class Value, std::size_t count>
 void pass(Way& way, std::array<Value, count>& values);
 template <class Way, class Value, std::size_t count>
@@ -65,12 +78,13 @@ void pass(Way& way, const std::array<Value, count>& values);
 template <class Way, class Value>
 requires std::is_same_v<std::remove_const_t<Value>, Impact>
 void pass(Way& way, Value& impact) {
-  auto& [t, q1, qd_before, qd_after, depth] = impact;
+  auto& [t, q1, qd_before, qd_after, depth, link] = impact;
   pass(way, t);
   pass(way, q1);
   pass(way, qd_before);
   pass(way, qd_after);
   pass(way, depth);
+  pass(way, link);
 }
 
 template <class Way, class Value>
@@ -108,7 +122,7 @@ template <class Way, class Value>
 requires std::is_same_v<std::remove_const_t<Value>, Trace>
 void pass(Way& way, Value& trace) {
   auto& [t, q, qd, kinetic, potential, gap, out_of_plane, error_q, error_position, error_turn, angular_momentum_drift,
-         contacts, condition, manipulability, bodies] = trace;
+         long_axis_spin, contacts, condition, manipulability, bodies] = trace;
   pass(way, t);
   pass(way, q);
   pass(way, qd);
@@ -120,6 +134,7 @@ void pass(Way& way, Value& trace) {
   pass(way, error_position);
   pass(way, error_turn);
   pass(way, angular_momentum_drift);
+  pass(way, long_axis_spin);
   pass(way, contacts);
   pass(way, condition);
   pass(way, manipulability);
