@@ -144,12 +144,13 @@ void pass(Way& way, Value& trace) {
 template <class Way, class Value>
 requires std::is_same_v<std::remove_const_t<Value>, Reference>
 void pass(Way& way, Value& reference) {
-  auto& [trace, uncertainty_q, uncertainty_position, uncertainty_turn, joint_force, impacts, impact_uncertainty_s,
-         at_rest_from, described] = reference;
+  auto& [trace, uncertainty_q, uncertainty_position, uncertainty_turn, uncertainty_spin, joint_force, impacts,
+         impact_uncertainty_s, at_rest_from, described] = reference;
   pass(way, trace);
   pass(way, uncertainty_q);
   pass(way, uncertainty_position);
   pass(way, uncertainty_turn);
+  pass(way, uncertainty_spin);
   pass(way, joint_force);
   pass(way, impacts);
   pass(way, impact_uncertainty_s);
