@@ -58,6 +58,7 @@ class Reader {
       if (const toml::node* node = tree.get(section.name)) read_section(section, *node);
     }
     settle_chain(tree);
+    check_shapes();
     settle_depths(tree);
     check_against_problem(tree);
     check_tolerances();
@@ -276,14 +277,19 @@ class Reader {
     if (!problem.wall && scenario_.wall) {
       fail("wall", "", fmt::format("has no meaning for {}; remove it", problem.name), Blame::parts);
     }
+    if (problem.wall) check_clear_of_wall();
+  }
+
+  // Against a wall: the outlines that the references know.
+  void check_shapes() const {
+    const Problem& problem = *scenario_.problem;
     if (!problem.wall) return;
-    const Shape shape = count == 1 ? Shape::box : Shape::ball;  // what the references' outlines are
-    for (std::size_t i = 0; i < count; ++i) {
+    const Shape shape = problem.links == 1 ? Shape::box : Shape::ball;
+    for (std::size_t i = 0; i < scenario_.links.size(); ++i) {
       if (scenario_.links[i].shape == shape) continue;
       fail(fmt::format("links.{}.shape", i), "",
            fmt::format("must be {} for {}", shape == Shape::box ? "box" : "ball", problem.name));
     }
-    check_clear_of_wall();
   }
 
   // The corner of the box, or the side of the balls, that is nearest the wall, which fills x <= face.
