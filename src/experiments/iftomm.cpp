@@ -43,7 +43,7 @@ std::vector<double> ladder_of(const Accuracy& accuracy, const Method& method, do
   const auto knob = catalogue::knob_of(method);
   if (knob == catalogue::Knob::none) return {0.0};
   if (knob == catalogue::Knob::rtol) {
-    for (int digits = 3; digits <= 13; ++digits) settings.push_back(std::pow(10.0, -digits));
+    for (int digits = 6; digits <= 13; ++digits) settings.push_back(std::pow(10.0, -digits));
     return settings;
   }
   const bool cartesian = method.coordinates == Coordinates::cartesian;
@@ -87,7 +87,7 @@ Section iftomm(Laboratory& laboratory, Findings& findings) {
       {},
       fmt::format("CPU times of this machine, of runs that record nothing, at the coarsest "
                   "setting that keeps the error at samples {} s apart, of steps halved again and again "
-                  "and tolerances from 1e-3 down by tens. Up to {} steps were tried in Cartesian "
+                  "and tolerances from 1e-6 down by tens. Up to {} steps were tried in Cartesian "
                   "coordinates (half as many of first order) and {} in generalized ones. The reference knows the angle "
                   "to {} rad at "
                   "the end.",

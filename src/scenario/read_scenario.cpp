@@ -60,6 +60,7 @@ class Reader {
     }
     if (scenario_.family() == Family::pendulum) {
       settle_chain(tree);
+      check_shapes();
       settle_depths(tree);
     } else {
       make_thin();
@@ -297,10 +298,7 @@ class Reader {
       }
       if (!needed) refuse(tree, section);
     }
-    if (problem.wall) {
-      check_shapes_at_wall();
-      check_clear_of_wall();
-    }
+    if (problem.wall) check_clear_of_wall();
   }
 
   /// A key that another kind of problem has.
@@ -340,9 +338,11 @@ class Reader {
     }
   }
 
-  // What the references' outlines are.
-  void check_shapes_at_wall() const {
-    const Shape shape = scenario_.links.size() == 1 ? Shape::box : Shape::sphere;
+  // Against a wall: the outlines that the references know.
+  void check_shapes() const {
+    const Problem& problem = *scenario_.problem;
+    if (!problem.wall) return;
+    const Shape shape = problem.links == 1 ? Shape::box : Shape::sphere;
     for (std::size_t i = 0; i < scenario_.links.size(); ++i) {
       if (scenario_.links[i].shape == shape) continue;
       fail(fmt::format("links.{}.shape", i), "",

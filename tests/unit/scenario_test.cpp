@@ -289,6 +289,41 @@ void wrong_values_are_refused() {
                  "links = 2 tables: must be 1 table [[links]]");
 }
 
+const std::string chain = replaced(replaced(single, "single_pendulum", "chain"), "problem", "n = 5\nproblem");
+
+void a_chain_has_as_many_links_as_it_says() {
+  const Scenario five = read(replaced(chain, "q0 = [0.0]", "q0 = [0.3, 0.2]"));
+  CHECK_EQUAL(five.links.size(), 5u);
+  CHECK_EQUAL(five.links.back().width_m, five.links.front().width_m);
+  CHECK_EQUAL(five.q0.size(), 5u);
+  CHECK_EQUAL(five.q0[1], 0.2);
+  CHECK_EQUAL(five.q0[4], 0.0);
+  CHECK_EQUAL(five.qd0.size(), 5u);
+  CHECK_EQUAL(with(chain, "n", "1").links.size(), 1u);
+  CHECK_EQUAL(with(chain, "n", "1024").links.size(), 1024u);
+  CHECK_EQUAL(read(replaced(chain, "n = 5\n", "")).links.size(), 1u);
+  for (const char* n : {"0", "1025", "100000", "2.5", "-1"}) {
+    CHECK_THROWS(with(chain, "n", n), UserError, "n must be a whole number from 1 to 1024");
+  }
+  CHECK_THROWS(with(chain, "q0", "[1, 2, 3, 4, 5, 6]"), UserError, "q0 must be a list of at most n = 5 numbers");
+  CHECK_THROWS(read("n = 2\n" + single), UserError, "n = 2: has no meaning for single_pendulum; remove it");
+  const std::string link = "[[links]]\nmass = 1\nlength = 1\nwidth = 0.1\ndepth = 0.1\n";
+  CHECK_THROWS(read(chain + link), UserError, "links = 2 tables: must be one table [[links]] or n = 5 of them");
+}
+
+void a_ball_is_as_deep_as_wide() {
+  const std::string ball = replaced(single, "depth = 0.1", "shape = \"ball\"");
+  const Link& link = read(ball).links.at(0);
+  CHECK_EQUAL(link.depth_m, link.width_m);
+  CHECK_EQUAL(link.centre_m(), link.length_m);
+  CHECK_EQUAL(link.beyond_centre_m(), 0.0);
+  CHECK_NEAR(link.inertia_kgm2(), 0.4 * link.mass_kg * link.width_m * link.width_m / 4, 1e-18);
+  CHECK_THROWS(read(replaced(single, "depth = 0.1", "depth = 0.2\nshape = \"ball\"")), UserError,
+               "links.0.depth = 0.2: must be left out or be the width: the link is a ball");
+  CHECK_THROWS(with(ball, "links.0.shape", "\"egg\""), UserError, "links.0.shape must be one of box, ball");
+  CHECK_THROWS(with(wall, "links.0.shape", "\"ball\""), UserError, "links.0.shape must be box for wall_pendulum");
+}
+
 void missing_keys_are_named() {
   for (const char* line : {"problem = \"single_pendulum\"\n", "duration = 10\n", "q0 = [0.0]\n", "qd0 = [0.0]\n"}) {
     const std::string key = std::string(line).substr(0, std::string(line).find(' '));
@@ -411,6 +446,8 @@ int main() {
   settings_replace_the_files_values();
   errors_name_the_flag();
   wrong_values_are_refused();
+  a_chain_has_as_many_links_as_it_says();
+  a_ball_is_as_deep_as_wide();
   missing_keys_are_named();
   a_link_may_not_start_inside_the_wall();
   files_that_are_no_scenarios();
