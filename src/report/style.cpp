@@ -85,6 +85,9 @@ dd { margin: 0; overflow-wrap: anywhere; }
   .panels.in-1 svg.plot text { font-size: .8em; }
   .panels.in-2 svg.plot text { font-size: .88em; }
 }
+@media screen {
+  .scroll td:first-child { white-space: nowrap; }
+}
 @media screen and (max-width: 47.99rem) {
   body { padding: 1.2rem .9rem 3rem; }
   .verdicts, .verdicts tbody, .verdicts tr, .verdicts td, .verdicts th { display: block; border: 0; padding: .1rem 0; }
