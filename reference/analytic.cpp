@@ -22,7 +22,7 @@ using std::numbers::pi;
 
 FreePendulum::FreePendulum(const Scenario& scenario, const State& start) : start_(start) {
   const Link& link = scenario.links.at(0);
-  const double c = link.length_m / 2;
+  const double c = link.centre_m();
   const double inertia = link.inertia_kgm2() + link.mass_kg * c * c;
   omega_ = std::sqrt(link.mass_kg * std::fabs(scenario.gravity) * c / inertia);
 

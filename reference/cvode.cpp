@@ -5,11 +5,12 @@
 #include <iterator>
 
 #include "reference/cvode_motion.hpp"
+#include "reference/long_chain_motion.hpp"
 
 namespace odeval::reference {
 namespace {
 
-template <std::size_t N>
+template <class Motion>
 class CvodeSimulation final : public Simulation {
  public:
   CvodeSimulation(const Scenario& scenario, const SampleGrid& grid)
@@ -41,14 +42,15 @@ class CvodeSimulation final : public Simulation {
   }
 
   SampleGrid grid_;
-  CvodeMotion<N> motion_;
+  Motion motion_;
 };
 
 }  // namespace
 
 std::unique_ptr<Simulation> make_cvode(const Scenario& scenario, const SampleGrid& grid) {
+  if (scenario.links.size() > 2) return std::make_unique<CvodeSimulation<LongChainMotion>>(scenario, grid);
   return with_equations(scenario, [&]<std::size_t N>(const ChainEquations<double, N>&) -> std::unique_ptr<Simulation> {
-    return std::make_unique<CvodeSimulation<N>>(scenario, grid);
+    return std::make_unique<CvodeSimulation<CvodeMotion<N>>>(scenario, grid);
   });
 }
 

@@ -7,15 +7,23 @@
 // - Weight against the wall and the link barely moving: it hops. The hops, too small for a solver with absolute
 //   tolerances, are parabolas. Slower than `rest_speed_rad_s` the link is at rest, for ever.
 // - Weight away from the wall and the link barely moving: it only grazes the wall, and swings on.
+//
+// Two balls (ball_wall.hpp): a touch is the first time a ball's distance from the wall passes 0 while it falls, found
+// likewise. Balls that come to rest on the wall are not followed: that is a MachineError that says when.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <optional>
+#include <sstream>
+#include <string>
 #include <vector>
 
+#include "odeval/error.hpp"
 #include "odeval/method.hpp"
 #include "odeval/scenario.hpp"
+#include "reference/ball_wall.hpp"
 #include "reference/cvode_solver.hpp"
 #include "reference/equations.hpp"
 #include "reference/generalized_rows.hpp"
@@ -46,6 +54,12 @@ class CvodeMotion {
         end_state_(begin_state_) {
     if constexpr (N == 1) {
       if (scenario.wall) meet_wall(scenario);
+    }
+    if constexpr (N == 2) {
+      if (!scenario.wall) return;
+      balls_.emplace(scenario);
+      name_ = scenario.name;
+      meet_wall_with_balls();
     }
   }
   CvodeMotion(const CvodeMotion&) = delete;
@@ -93,6 +107,7 @@ class CvodeMotion {
   /// All so far: the last step may have gone beyond the end of a grid.
   const std::vector<Impact>& impacts() const { return impacts_; }
   double restitution() const { return restitution_; }
+  const std::optional<BallWall>& balls() const { return balls_; }
   /// rad, rounding of the angles of touch.
   double stop_uncertainty() const { return stop_uncertainty_; }
   double acceleration(double q) const requires(N == 1) {
@@ -121,7 +136,8 @@ class CvodeMotion {
   // A link that starts this near the wall starts at it: about what the solver loses of the angle in a swing, so that it
   // could not tell whether the link touches when it comes back.
   static constexpr double contact_rad = 1e-12;
-  static constexpr double no_pull = 1e-12;  // rad/s^2; weaker than this, nothing takes a link off the wall
+  static constexpr double contact_m = 1e-12;  // a ball this near the wall is at it; for the same reason
+  static constexpr double no_pull = 1e-12;    // rad/s^2; weaker than this, nothing takes a link off the wall
 
   void evaluate(const double* y, double* dydt) {
     State state, slope;
@@ -143,6 +159,79 @@ class CvodeMotion {
         if (touch && (!first || touch->t < first->t)) first = touch;
       }
       if (first) strike(*first);
+    }
+    if constexpr (N == 2) {
+      if (balls_) fly_balls();
+    }
+  }
+
+  // --- two balls ---
+
+  struct BallTouch {
+    double t;
+    std::size_t ball;
+  };
+
+  void meet_wall_with_balls() requires(N == 2) {
+    for (std::size_t ball = 0; ball < N; ++ball) {
+      if (balls_->distance(ball, begin_state_) > contact_m || balls_->speed(ball, begin_state_) > 0) continue;
+      strike_ball({0.0, ball}, begin_state_);
+      begin_state_ = end_state_;
+      return;
+    }
+  }
+
+  void fly_balls() requires(N == 2) {
+    std::optional<BallTouch> first;
+    for (std::size_t ball = 0; ball < N; ++ball) {
+      const std::optional<double> t = first_ball_touch(ball);
+      if (t && (!first || *t < first->t)) first = BallTouch{*t, ball};
+    }
+    if (first) strike_ball(*first, at(first->t));
+  }
+
+  // As first_touch; within a step of the solver a ball turns once at most.
+  std::optional<double> first_ball_touch(std::size_t ball) const requires(N == 2) {
+    const auto height = [&](double t) { return balls_->distance(ball, at(t)); };
+    const auto rate = [&](double t) { return balls_->speed(ball, at(t)); };
+    const double rate_begin = balls_->speed(ball, begin_state_);
+    const double rate_end = balls_->speed(ball, end_state_);
+    double from = begin_;
+    double to = end_;
+    if (rate_begin < 0 && rate_end > 0) {
+      to = root(rate, from, to, rate_begin, rate_end);
+    } else if (rate_begin > 0 && rate_end < 0) {
+      from = root(rate, from, to, rate_begin, rate_end);
+    } else if (rate_end > 0) {
+      return std::nullopt;
+    }
+    const double height_from = height(from);
+    const double height_to = height(to);
+    if (height_to >= 0) return std::nullopt;
+    return height_from > 0 ? root(height, from, to, height_from, height_to) : from;
+  }
+
+  void strike_ball(const BallTouch& touch, const State& y) requires(N == 2) {
+    std::array<bool, N> at_wall{};
+    for (std::size_t ball = 0; ball < N; ++ball) {
+      at_wall[ball] = ball == touch.ball || balls_->distance(ball, y) <= contact_m;
+    }
+    end_ = touch.t;
+    end_state_ = balls_->struck(y, at_wall);
+    restart_ = true;
+    struck_ = true;
+    for (std::size_t ball = 0; ball < N; ++ball) {
+      if (!at_wall[ball]) continue;
+      const double leaving = balls_->speed(ball, end_state_);
+      if (ball == touch.ball || balls_->speed(ball, y) < 0) {
+        impacts_.push_back({touch.t, y[0], balls_->speed(ball, y), leaving, 0.0, static_cast<int>(ball) + 1});
+      }
+      if (std::fabs(leaving) < rest_speed_rad_s && balls_->pull(ball, end_state_) < -no_pull) {
+        std::ostringstream text;
+        text << "reference for '" << name_ << "': at t = " << touch.t << " s ball " << ball + 1
+             << " comes to rest on the wall, which is not followed; a shorter duration ends before it";
+        throw MachineError(text.str());
+      }
     }
   }
 
@@ -250,6 +339,8 @@ class CvodeMotion {
   Equations equations_;
   CvodeSolver solver_;
   std::vector<Stop> stops_;  // none, or the low and the high end of the free arc
+  std::optional<BallWall> balls_;
+  std::string name_;
   double restitution_ = 1;
   double stop_uncertainty_ = 0;
 

@@ -102,19 +102,15 @@ std::vector<DhLink> pendulum_links(const Scenario& scenario, DhConvention conven
   const bool standard = convention == DhConvention::standard;
   std::vector<DhLink> links;
   double length_before = 0;
-  for (const Link& box : scenario.links) {
-    const double along = box.length_m * box.length_m;
-    const double across = box.width_m * box.width_m;
-    const double deep = box.depth_m * box.depth_m;
+  for (const Link& body : scenario.links) {
     DhLink link;
-    link.mass_kg = box.mass_kg;
+    link.mass_kg = body.mass_kg;
     // Frame i lies at the far end of link i, or at its hinge.
-    link.a_m = standard ? box.length_m : length_before;
-    link.centre_m = {standard ? -box.length_m / 2 : box.length_m / 2, 0, 0};
-    link.inertia_kgm2 = {
-        box.mass_kg * (across + deep) / 12, box.mass_kg * (along + deep) / 12, box.inertia_kgm2(), 0, 0, 0};
+    link.a_m = standard ? body.length_m : length_before;
+    link.centre_m = {standard ? -body.beyond_centre_m() : body.centre_m(), 0, 0};
+    link.inertia_kgm2 = {body.inertia_along_kgm2(), body.inertia_across_kgm2(), body.inertia_kgm2(), 0, 0, 0};
     links.push_back(link);
-    length_before = box.length_m;
+    length_before = body.length_m;
   }
   return links;
 }

@@ -3,24 +3,27 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <type_traits>
+#include <vector>
 
 #include "odeval/method.hpp"
 #include "reference/dh_chain.hpp"
 
 namespace odeval::reference {
 
-/// The chain as equations of motion for Ode45 (ode45_simulation.hpp); it has N joints.
+/// The chain as equations of motion for Ode45 (ode45_simulation.hpp); it has N joints, or with N = 0 any number.
 template <std::size_t N>
 class DhEquations {
  public:
   static constexpr std::size_t dof = N;
-  using State = std::array<double, 2 * N>;
+  using State = std::conditional_t<N == 0, std::vector<double>, std::array<double, 2 * N>>;
 
   explicit DhEquations(DhChain chain) : chain_(std::move(chain)) {}
 
   void operator()(const State& y, State& dydt) {
-    for (std::size_t i = 0; i < N; ++i) dydt[i] = y[N + i];
-    chain_.accelerations(y.data(), y.data() + N, dydt.data() + N);
+    const std::size_t n = chain_.joints();
+    for (std::size_t i = 0; i < n; ++i) dydt[i] = y[n + i];
+    chain_.accelerations(y.data(), y.data() + n, dydt.data() + n);
   }
 
  private:

@@ -1,20 +1,22 @@
 #pragma once
-// Lagrangian equations of planar chains of uniform boxes, in the report's generalized coordinates.
+// Lagrangian equations of planar chains of uniform boxes or balls, in the report's generalized coordinates.
 //
 // State y = (q1..qN, qd1..qdN): q1 from the horizontal, the others relative to the link before.
 // Inside, absolute angles a_i = q_1 + .. + q_i make every coefficient a constant:
 //
 //   sum_j K_ij cos(a_i - a_j) a_j'' = - sum_j K_ij sin(a_i - a_j) a_j'^2 - G_i cos(a_i)
 //
-//   K_ii = I_i + m_i c_i^2 + l_i^2 M_i       c_i = l_i / 2, M_i = sum of the masses beyond link i
+//   K_ii = I_i + m_i c_i^2 + l_i^2 M_i       c_i to the centre of mass, M_i = sum of the masses beyond link i
 //   K_ij = l_i (c_j m_j + l_j M_j), i < j    G_i = g (m_i c_i + l_i M_i)
 //
 // For the report's values this is its D.2 (derived in D.1) after the change of coordinates.
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "odeval/scenario.hpp"
+#include "reference/long_chain.hpp"
 
 namespace odeval::reference {
 
@@ -33,8 +35,10 @@ class ChainEquations {
       const Real m = link.mass_kg;
       const Real l = link.length_m;
       const Real w = link.width_m;
-      const Real c = l / 2;
-      coupling_[i][i] = m * (l * l + w * w) / 12 + m * c * c + l * l * mass_beyond;
+      const bool box = link.shape == Shape::box;
+      const Real c = box ? l / 2 : l;
+      const Real inertia = box ? m * (l * l + w * w) / 12 : m * w * w / 10;
+      coupling_[i][i] = inertia + m * c * c + l * l * mass_beyond;
       first_moment_[i] = m * c + l * mass_beyond;
       weight_moment_[i] = gravity * first_moment_[i];
       for (std::size_t h = 0; h < i; ++h) {
@@ -68,6 +72,20 @@ class ChainEquations {
       dydt[i] = y[N + i];
       dydt[N + i] = i == 0 ? acceleration[0] : acceleration[i] - acceleration[i - 1];
     }
+  }
+
+  /// Change of the rates by an impulse given as its moment about each hinge: along the absolute angles, N m s.
+  Angles change_of_rates(const State& y, const Angles& moments) const {
+    using std::cos;
+    Angles angle, rate;
+    absolute(y, angle, rate);
+    std::array<Angles, N> inertia;
+    for (std::size_t i = 0; i < N; ++i) {
+      for (std::size_t j = 0; j < N; ++j) inertia[i][j] = coupling_[i][j] * cos(angle[i] - angle[j]);
+    }
+    Angles change = solve(inertia, moments);
+    for (std::size_t i = N; i-- > 1;) change[i] -= change[i - 1];
+    return change;
   }
 
   /// Kinetic energy, J.
@@ -126,12 +144,19 @@ class ChainEquations {
   Angles weight_moment_{};
 };
 
-/// Calls `use` with the equations of the scenario's number of links: the one place that turns
-/// a number of links known at run time into a type.
+/// Calls `use` with the equations of one or two links: the one place that turns a number of links known at run time
+/// into a type. More links are LongChain's.
 template <class Real = double, class Use>
 auto with_equations(const Scenario& scenario, Use&& use) {
   if (scenario.links.size() == 1) return use(ChainEquations<Real, 1>(scenario));
   return use(ChainEquations<Real, 2>(scenario));
+}
+
+/// The same for any number of links.
+template <class Use>
+auto with_any_equations(const Scenario& scenario, Use&& use) {
+  if (scenario.links.size() > 2) return use(LongChain<double>(scenario));
+  return with_equations(scenario, std::forward<Use>(use));
 }
 
 }  // namespace odeval::reference

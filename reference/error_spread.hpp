@@ -11,6 +11,7 @@
 #include <cstddef>
 
 #include "odeval/scenario.hpp"
+#include "reference/ball_wall.hpp"
 #include "reference/dual.hpp"
 #include "reference/equations.hpp"
 
@@ -138,6 +139,35 @@ class FreeMotion {
 /// (the saltation matrix). A link that is late meets the wall late, and what it gained in speed meanwhile changes sign.
 inline Matrix<2> saltation(double restitution, double qd, double qdd) {
   return {{{-restitution, 0}, {(1 + restitution) * qdd / qd, -restitution}}};
+}
+
+/// The saltation matrix of an impact of two balls: DR + (f+ - DR f-) d' / (d f-), with R the change of state, f the
+/// slopes before and after it and d the gradient of the ball's distance. DR by central differences, to about 1e-9.
+inline Matrix<4> saltation(const BallWall& wall, std::size_t ball, const std::array<bool, 2>& at_wall,
+                           const Vector<4>& y) {
+  Matrix<4> change;
+  for (std::size_t j = 0; j < 4; ++j) {
+    const double off = 1e-6 * std::max(1.0, std::fabs(y[j]));
+    Vector<4> above = y;
+    Vector<4> below = y;
+    above[j] += off;
+    below[j] -= off;
+    const Vector<4> high = wall.struck(above, at_wall);
+    const Vector<4> low = wall.struck(below, at_wall);
+    for (std::size_t i = 0; i < 4; ++i) change[i][j] = (high[i] - low[i]) / (2 * off);
+  }
+  Vector<4> before, after;
+  wall.equations()(y, before);
+  wall.equations()(wall.struck(y, at_wall), after);
+  const auto gradient = wall.slope(ball, y);
+  const double speed = gradient[0] * before[0] + gradient[1] * before[1];
+  Matrix<4> map = change;
+  for (std::size_t i = 0; i < 4; ++i) {
+    double jump = after[i];
+    for (std::size_t k = 0; k < 4; ++k) jump -= change[i][k] * before[k];
+    for (std::size_t j = 0; j < 2; ++j) map[i][j] += jump * gradient[j] / speed;
+  }
+  return map;
 }
 
 }  // namespace odeval::reference

@@ -39,10 +39,11 @@ template <class Equations>
 struct SymplecticEuler {
   static constexpr long evaluations = 1;
   using State = typename Equations::State;
+  State rate;
 
-  void operator()(const Equations& equations, State& y, double h) const {
-    constexpr std::size_t n = Equations::dof;
-    State rate;
+  void operator()(const Equations& equations, State& y, double h) {
+    const std::size_t n = y.size() / 2;
+    resize(rate, y.size());
     equations(y, rate);
     for (std::size_t i = 0; i < n; ++i) {
       y[n + i] += h * rate[n + i];
@@ -79,7 +80,7 @@ class FixedStep final : public Simulation {
   using State = typename Equations::State;
 
   FixedStep(const Scenario& scenario, const SampleGrid& grid, const Equations& equations)
-      : equations_(equations), grid_(grid), start_(start_state<2 * Equations::dof>(scenario)) {
+      : equations_(equations), grid_(grid), start_(start_state_as<State>(scenario)) {
     if constexpr (Equations::dof == 1) {
       if (scenario.wall) wall_.emplace(scenario);
     }
@@ -139,7 +140,7 @@ class FixedStep final : public Simulation {
 
 template <template <class> class Step>
 std::unique_ptr<Simulation> make(const Scenario& scenario, const SampleGrid& grid) {
-  return with_equations(scenario, [&]<class Equations>(const Equations& equations) -> std::unique_ptr<Simulation> {
+  return with_any_equations(scenario, [&]<class Equations>(const Equations& equations) -> std::unique_ptr<Simulation> {
     return std::make_unique<FixedStep<Equations, Step<Equations>>>(scenario, grid, equations);
   });
 }

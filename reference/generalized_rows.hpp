@@ -10,6 +10,12 @@
 
 namespace odeval::reference {
 
+/// Gives a vector its size; an array has it.
+template <class State>
+void resize(State& y, std::size_t numbers) {
+  if constexpr (requires { y.resize(numbers); }) y.resize(numbers);
+}
+
 /// The state at t = 0. State is (q1..qN, qd1..qdN).
 template <std::size_t Numbers>
 std::array<double, Numbers> start_state(const Scenario& scenario) {
@@ -19,24 +25,33 @@ std::array<double, Numbers> start_state(const Scenario& scenario) {
   return y;
 }
 
-template <std::size_t Numbers>
-void record(Rows* rows, const std::array<double, Numbers>& y) {
+/// The same as a State of any size, an array or a vector.
+template <class State>
+State start_state_as(const Scenario& scenario) {
+  State y{};
+  resize(y, 2 * scenario.q0.size());
+  std::ranges::copy(scenario.qd0, std::ranges::copy(scenario.q0, y.begin()).out);
+  return y;
+}
+
+template <class State>
+void record(Rows* rows, const State& y) {
   if (rows != nullptr) std::copy(y.begin(), y.end(), rows->append());
 }
 
-template <std::size_t Numbers>
-bool finite(const std::array<double, Numbers>& y) {
+template <class State>
+bool finite(const State& y) {
   bool all = true;
   for (const double value : y) all &= std::isfinite(value);
   return all;
 }
 
 /// Marks the run as diverged at a state that is not finite, reached at time t by the step of that number.
-template <std::size_t Numbers>
-void set_not_finite(Outcome& outcome, const std::array<double, Numbers>& y, double t) {
-  constexpr std::size_t n = Numbers / 2;
+template <class State>
+void set_not_finite(Outcome& outcome, const State& y, double t) {
+  const std::size_t n = y.size() / 2;
   std::size_t worst = 0;
-  while (worst + 1 < Numbers && std::isfinite(y[worst])) ++worst;
+  while (worst + 1 < y.size() && std::isfinite(y[worst])) ++worst;
   outcome.diverged = true;
   std::ostringstream text;
   text << (worst < n ? "q" : "qd") << worst % n + 1 << " is not finite after step " << outcome.steps << " (t = " << t

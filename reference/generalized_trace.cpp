@@ -3,13 +3,14 @@
 #include <algorithm>
 
 #include "reference/equations.hpp"
+#include "reference/generalized_rows.hpp"
 
 namespace odeval::reference {
 namespace {
 
 template <class Equations>
 Trace trace_of(const Equations& equations, const SampleGrid& grid, const Rows& rows) {
-  constexpr std::size_t n = Equations::dof;
+  const std::size_t n = rows.width() / 2;
   const std::size_t count = rows.count();
   Trace trace;
   trace.t.reserve(count);
@@ -20,8 +21,9 @@ Trace trace_of(const Equations& equations, const SampleGrid& grid, const Rows& r
   trace.gap.assign(count, 0.0);
   trace.out_of_plane.assign(count, 0.0);
   trace.contacts.assign(count, 0.0);
+  typename Equations::State y;
+  resize(y, 2 * n);
   for (std::size_t k = 0; k < count; ++k) {
-    typename Equations::State y;
     std::copy_n(rows.row(k), 2 * n, y.begin());
     trace.t.push_back(grid.time(static_cast<long>(k)));
     for (std::size_t i = 0; i < n; ++i) {
@@ -37,15 +39,17 @@ Trace trace_of(const Equations& equations, const SampleGrid& grid, const Rows& r
 }  // namespace
 
 Trace generalized_trace(const Scenario& scenario, const SampleGrid& grid, const Rows& rows) {
-  return with_equations(scenario, [&](const auto& equations) { return trace_of(equations, grid, rows); });
+  return with_any_equations(scenario, [&](const auto& equations) { return trace_of(equations, grid, rows); });
 }
 
 std::vector<double> joint_accelerations(const Scenario& scenario, const std::vector<double>& q,
                                         const std::vector<double>& qd) {
-  return with_equations(scenario, [&]<class Equations>(const Equations& equations) {
-    constexpr auto n = static_cast<std::ptrdiff_t>(Equations::dof);
+  return with_any_equations(scenario, [&]<class Equations>(const Equations& equations) {
+    const auto n = static_cast<std::ptrdiff_t>(q.size());
     typename Equations::State y;
     typename Equations::State rate;
+    resize(y, 2 * q.size());
+    resize(rate, 2 * q.size());
     std::copy_n(q.begin(), n, y.begin());
     std::copy_n(qd.begin(), n, y.begin() + n);
     equations(y, rate);

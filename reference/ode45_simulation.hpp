@@ -15,7 +15,8 @@
 
 namespace odeval::reference {
 
-/// Equations have `dof`, a `State` of 2 dof numbers (q, qd) in a std::array, and give dy/dt by operator()(y, dydt).
+/// Equations have `dof`, a `State` of (q, qd), an array of 2 dof numbers or, with dof 0, a vector of any, and give
+/// dy/dt by operator()(y, dydt).
 template <class Equations>
 class Ode45 final : public Simulation {
  public:
@@ -58,10 +59,11 @@ class Ode45 final : public Simulation {
   // Moves (t, y) to the end or through the next touch. False: the motion ends there.
   bool smooth_motion(double& t, State& y, double end) {
     const double longest = end / 10;
-    State rate = derivative(y);
-    State y_new;
-    State rate_new;
-    State error;
+    State rate = y;
+    evaluate(y, rate);
+    State y_new = y;
+    State rate_new = y;
+    State error = y;
     double h = first_step(y, rate, std::min(longest, end - t));
     bool failed = false;
     while (t < end) {
@@ -70,8 +72,8 @@ class Ode45 final : public Simulation {
       h = std::clamp(h, shortest, std::max(longest, shortest));
       const bool last = 1.1 * h >= end - t;
       if (last) h = end - t;
-      dopri5_.do_step([this](const State& at, State& out, double) { out = derivative(at); }, y, rate, t, y_new,
-                      rate_new, h, error);
+      dopri5_.do_step([this](const State& at, State& out, double) { evaluate(at, out); }, y, rate, t, y_new, rate_new,
+                      h, error);
       const double excess = worst(error, y, y_new);
       if (excess > 1) {
         if (h <= shortest) return give_up(t);
@@ -86,7 +88,7 @@ class Ode45 final : public Simulation {
         return false;
       }
       const auto after = [&](double s) {
-        State at;
+        State at = y;
         dopri5_.calc_state(s, at, y, rate, 0.0, y_new, rate_new, h);
         return at;
       };
@@ -112,11 +114,9 @@ class Ode45 final : public Simulation {
     return true;
   }
 
-  State derivative(const State& y) {
+  void evaluate(const State& y, State& rate) {
     ++outcome_.evaluations;
-    State rate;
     equations_(y, rate);
-    return rate;
   }
 
   // The largest component of v in units of what the tolerances allow it.

@@ -10,6 +10,7 @@
 #include "reference/cvode.hpp"
 #include "reference/cvode_motion.hpp"
 #include "reference/error_spread.hpp"
+#include "reference/long_chain_reference.hpp"
 
 namespace odeval::reference {
 namespace {
@@ -31,6 +32,9 @@ class Uncertainty {
     if (tight.phase() == Motion::Phase::flight) {
       fly(tight, loose);
       if constexpr (N == 1) touch(tight);
+      if constexpr (N == 2) {
+        if (tight.struck()) touch_of_ball(tight);
+      }
     }
     if constexpr (N == 1) {
       if (tight.phase() == Motion::Phase::hop) hop(tight);
@@ -119,6 +123,27 @@ class Uncertainty {
     update();
   }
 
+  /// An impact of a ball at the end of a flight. A touch so slow that it may have been none leaves its speed unknown.
+  void touch_of_ball(const Motion& tight) requires(N == 2) {
+    const BallWall& wall = *tight.balls();
+    const State y = tight.at(tight.end());
+    const Impact& impact = tight.impacts().back();
+    const auto ball = static_cast<std::size_t>(*impact.link - 1);
+    std::array<bool, 2> at_wall{};
+    at_wall[ball] = true;
+    for (const Impact& other : tight.impacts()) {
+      if (other.t == impact.t) at_wall[static_cast<std::size_t>(*other.link - 1)] = true;
+    }
+    const auto slope = wall.slope(ball, y);
+    const double unknown_distance = bound(State{slope[0], slope[1], 0, 0});
+    const double unknown_speed = std::sqrt(2 * std::fabs(wall.pull(ball, y)) * unknown_distance);
+    impact_s_ = unknown_distance / std::max(std::fabs(impact.qd_before), unknown_speed) + time_rounding(tight.end());
+    const auto map = saltation(wall, ball, at_wall, y);
+    independent_.carry(map);
+    aligned_.carry(map);
+    update();
+  }
+
   /// Hops differ from the true ones in time only: by what was unknown when they began, and by a part of the time since.
   void hop(const Motion& tight) {
     const double speed = std::fabs(tight.impacts().back().qd_before);
@@ -162,13 +187,13 @@ std::array<Vec3, N> joint_forces(const Scenario& scenario, const std::array<doub
   std::array<double, 2> hinge{0, scenario.gravity};
   for (std::size_t i = 0; i < N; ++i) {
     const Link& link = scenario.links[i];
-    // Of the far end against the near hinge: l (a'' e_normal - a'^2 e_along).
+    // Of a point at s against the near hinge: s (a'' e_normal - a'^2 e_along).
     const std::array<double, 2> along{std::cos(angle[i]), std::sin(angle[i])};
     const std::array<double, 2> normal{-along[1], along[0]};
     for (std::size_t axis = 0; axis < 2; ++axis) {
-      const double end = link.length_m * (acceleration[i] * normal[axis] - rate[i] * rate[i] * along[axis]);
-      inertial[i][axis] = link.mass_kg * (hinge[axis] + end / 2);
-      hinge[axis] += end;
+      const double turning = acceleration[i] * normal[axis] - rate[i] * rate[i] * along[axis];
+      inertial[i][axis] = link.mass_kg * (hinge[axis] + link.centre_m() * turning);
+      hinge[axis] += link.length_m * turning;
     }
   }
 
@@ -250,6 +275,11 @@ Reference solve_reference(const Scenario& scenario, const SampleGrid& grid) {
 }
 
 Reference solve_reference(const Scenario& scenario, const SampleGrid& grid, Tolerances tight, Tolerances loose) {
+  if (scenario.links.size() > 2) {
+    Reference reference = solve_long_chain(scenario, grid, tight, loose);
+    reference.described = describe(tight, loose);
+    return reference;
+  }
   return with_equations(scenario, [&]<std::size_t N>(const ChainEquations<double, N>&) {
     return solve<N>(scenario, grid, tight, loose);
   });

@@ -22,6 +22,8 @@
 //   a touch a graze.
 // - Once the bound has passed 1 rad it never falls again: from there on nothing is known.
 //
+// A chain of more than two links has a simpler bound (long_chain_reference.hpp).
+//
 // The half and the fifth are experience, at the tolerances below. certified_test.cpp and reference_test.cpp check that
 // the bound covers; check_terms and check_grazes in the latter fail without either term, or without the doubt about a
 // graze.

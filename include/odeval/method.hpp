@@ -48,12 +48,15 @@ class Rows {
 };
 
 /// One touch of the wall. `depth` is how far the engine let the bodies overlap (0 where the method locates the touch).
+/// Where either of two balls may touch, `link` says which (1 or 2), q1 is link 1's angle all the same, and the rates
+/// are the ball's velocity away from the wall, m/s.
 struct Impact {
   double t = 0;
   double q1 = 0;
   double qd_before = 0;
   double qd_after = 0;
   double depth = 0;
+  std::optional<int> link = {};
 };
 
 /// How a run went.

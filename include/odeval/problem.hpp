@@ -39,7 +39,7 @@ enum class Family {
 struct Problem {
   std::string_view name;
   std::string_view summary;
-  int links;
+  int links;  // 0: as many as the scenario says
   bool wall;
   PlanarFrame frame;
   Family family = Family::pendulum;
@@ -52,18 +52,20 @@ inline constexpr PlanarFrame hanging_frame{
 /// Report C.5: the box lies along +x of its own frame and turns about y.
 inline constexpr PlanarFrame lying_frame{{1, 0, 3}, {1, 0, 0}, {0, 0, 1}, {0, 1, 0}, {1, 0, 0}, {0, 0, 1}, 0};
 
+/// Potra et al. (IJNME 66, 2006): the same plane about (0, 0, 2).
+inline constexpr PlanarFrame potra_frame{{0, 0, 2}, {1, 0, 0}, {0, 0, 1}, {0, 1, 0}, {1, 0, 0}, {0, 0, 1}, 0};
 /// Bodies: pictures look along +y, with x to the right and z up.
 inline constexpr PlanarFrame body_frame{{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {0, 1, 0}, {0, 0, 1}, {1, 0, 0}, 0};
 
 /// The one table of problems; everything that names a problem reads it.
-inline constexpr std::array<Problem, 5> problems{{
-    {"single_pendulum", "one link on one hinge; closed form in elliptic functions", 1, false, hanging_frame},
-    {"double_pendulum", "two links on two hinges; chaotic", 2, false, hanging_frame},
-    {"wall_pendulum", "one link that swings against a wall; closed form between impacts", 1, true, lying_frame},
-    {"free_box", "bodies that nothing touches; closed form in elliptic functions", 0, false, body_frame,
-     Family::bodies},
-    {"thin_body", "bodies that nothing touches, as thin as wanted; closed form in elliptic functions", 0, false,
-     body_frame, Family::bodies},
-}};
+inline constexpr std::array problems{
+    Problem{"single_pendulum", "one link on one hinge; closed form in elliptic functions", 1, false, hanging_frame},
+    Problem{"double_pendulum", "two links on two hinges; chaotic", 2, false, hanging_frame},
+    Problem{"wall_pendulum", "one link that swings against a wall; closed form between impacts", 1, true, lying_frame},
+    Problem{"chain", "n links on n hinges", 0, false, hanging_frame},
+    Problem{"potra_pendulum", "two balls on rods that both swing against a wall", 2, true, potra_frame},
+    Problem{"free_box", "bodies that nothing touches; closed form in elliptic functions", 0, false, body_frame,
+            Family::bodies},
+};
 
 }  // namespace odeval

@@ -11,18 +11,38 @@
 
 namespace odeval {
 
-/// A uniform box. `width` lies in the plane of swing, `depth` along the hinge.
+enum class Shape { box, sphere };
+
+/// A link of mass between its hinge and the next one, `length` away.
+///
+/// box   uniform; `width` lies in the plane of swing, `depth` along the hinge
+/// ball  a uniform sphere of diameter `width` about the next hinge, on a massless rod; `depth` is its `width`
 struct Link {
   double mass_kg = 0;
   double length_m = 0;
   double width_m = 0;
   double depth_m = 0;
+  Shape shape = Shape::box;
 
-  /// Moment of inertia about the centre for rotation in the plane, kg m² (report, D.1).
-  double inertia_kgm2() const { return mass_kg * (length_m * length_m + width_m * width_m) / 12.0; }
+  /// Distance of the centre of mass from the near hinge, m.
+  double centre_m() const { return shape == Shape::box ? length_m / 2 : length_m; }
+  /// Of the far hinge from the centre of mass, m.
+  double beyond_centre_m() const { return length_m - centre_m(); }
+
+  // Moments of inertia about the centre, kg m².
+  /// For rotation in the plane (report, D.1).
+  double inertia_kgm2() const { return moment_kgm2(length_m, width_m); }
+  /// About the link's own direction.
+  double inertia_along_kgm2() const { return moment_kgm2(width_m, depth_m); }
+  /// About the direction across it in the plane.
+  double inertia_across_kgm2() const { return moment_kgm2(length_m, depth_m); }
+
+ private:
+  /// a and b: the sides of a box across the axis.
+  double moment_kgm2(double a, double b) const {
+    return shape == Shape::box ? mass_kg * (a * a + b * b) / 12.0 : mass_kg * width_m * width_m / 10.0;
+  }
 };
-
-enum class Shape { box, sphere };
 
 /// A uniform rigid body. World frame; its own axes are the world's, turned by `turn`.
 struct Body {
@@ -59,7 +79,7 @@ struct Ground {
   Vec3 downhill() const { return {std::cos(slope_rad), 0, -std::sin(slope_rad)}; }
 };
 
-/// A flat wall that fills x <= face (world frame, the hinge is at x = 1 as in the report).
+/// A flat wall that fills x <= face (world frame).
 struct Wall {
   double face_m = 0;
   double restitution = 1;
@@ -109,6 +129,7 @@ struct Scenario {
   double step_s = 1e-3;
   std::optional<double> sample_s;  // absent: a row every step
   double gravity = 9.81;           // m/s², along -z
+  std::optional<int> n;            // links of a chain; absent: as many as are listed
   std::vector<double> q0;          // rad; q1 from the horizontal, the others relative to the link before
   std::vector<double> qd0;         // rad/s
   std::vector<Link> links;

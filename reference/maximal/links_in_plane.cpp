@@ -19,7 +19,7 @@ std::vector<LinkInPlane> links_at_start(const Scenario& scenario) {
       return LinkInPlane{near.x + s * std::cos(angle),         near.y + s * std::sin(angle),         angle,
                          near.vx - s * rate * std::sin(angle), near.vy + s * rate * std::cos(angle), rate};
     };
-    links.push_back(along(scenario.links[i].length_m / 2));
+    links.push_back(along(scenario.links[i].centre_m()));
     near = along(scenario.links[i].length_m);
   }
   return links;

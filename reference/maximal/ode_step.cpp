@@ -36,6 +36,13 @@ Body box(double mass, const Vector3d& sides) {
   return body;
 }
 
+Body ball(double mass, double radius) {
+  Body body;
+  body.mass = mass;
+  body.inertia = 0.4 * mass * radius * radius * Matrix3d::Identity();
+  return body;
+}
+
 void plane_space(const Vector3d& n, Vector3d& p, Vector3d& q) {
   constexpr double sqrt_half = 0.70710678118654752440;
   if (std::fabs(n.z()) > sqrt_half) {

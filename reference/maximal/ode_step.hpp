@@ -34,6 +34,7 @@ struct Body {
 
 /// A uniform box, sides along the body's axes.
 Body box(double mass, const Eigen::Vector3d& sides);
+Body ball(double mass, double radius);
 
 inline constexpr int world = -1;
 

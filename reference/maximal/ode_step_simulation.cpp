@@ -35,12 +35,12 @@ class OdeStepSimulation final : public Simulation {
       : grid_(grid), plane_(scenario.problem->frame), step_(step_settings(scenario)) {
     int parent = world;
     LinkInPlane before{};
-    double half_length = 0;
+    double beyond = 0;
     for (const LinkInPlane& link : links_at_start(scenario)) {
       const std::size_t i = angles_.size();
       // The joint is the far end of the link before; the first hinge is the plane's origin.
-      const Eigen::Vector3d anchor = plane_.point(before.x + half_length * std::cos(before.angle),
-                                                  before.y + half_length * std::sin(before.angle));
+      const Eigen::Vector3d anchor =
+          plane_.point(before.x + beyond * std::cos(before.angle), before.y + beyond * std::sin(before.angle));
       const int number = step_.add_body(body_of(scenario.links[i], link));
       const Eigen::Vector3d axis = eigen(scenario.problem->frame.hinge_axis);
       // As in ODE's scene: the first link is body 0 of its hinge, every other link is body 1, after its parent.
@@ -52,7 +52,7 @@ class OdeStepSimulation final : public Simulation {
       angles_.push_back(link.angle);
       parent = number;
       before = link;
-      half_length = scenario.links[i].length_m / 2;
+      beyond = scenario.links[i].beyond_centre_m();
     }
     if (scenario.wall) wall_.emplace(0, plane_.box_sides(scenario.links[0]), scenario.wall->face_m);
     impacts_.reserve(1024);
@@ -83,7 +83,8 @@ class OdeStepSimulation final : public Simulation {
 
  private:
   Body body_of(const Link& link, const LinkInPlane& at) const {
-    Body body = box(link.mass_kg, plane_.box_sides(link));
+    Body body =
+        link.shape == Shape::box ? box(link.mass_kg, plane_.box_sides(link)) : ball(link.mass_kg, link.width_m / 2);
     body.position = plane_.point(at.x, at.y);
     body.rotation = plane_.rotation(at.angle);
     body.orientation = Eigen::Quaterniond(body.rotation);

@@ -39,7 +39,8 @@ class PlanarChain {
   explicit PlanarChain(const Scenario& scenario) : ks_(scenario.maximal.ks), kd_(scenario.maximal.kd) {
     for (int i = 0; i < N; ++i) {
       const Link& link = scenario.links[static_cast<std::size_t>(i)];
-      half_length_[i] = link.length_m / 2;
+      to_near_[i] = link.centre_m();
+      to_far_[i] = link.beyond_centre_m();
       inverse_mass_.template segment<3>(3 * i) << 1 / link.mass_kg, 1 / link.mass_kg, 1 / link.inertia_kgm2();
       weight_.template segment<3>(3 * i) << 0, -link.mass_kg * scenario.gravity, 0;
     }
@@ -77,14 +78,14 @@ class PlanarChain {
     at.jacobian.setZero();
     for (int i = 0; i < N; ++i) {
       const auto rows = Eigen::seqN(2 * i, 2);
-      const Eigen::Vector2d near = half_length_[i] * along(q[3 * i + 2]);
+      const Eigen::Vector2d near = to_near_[i] * along(q[3 * i + 2]);
       at.error(rows) = q.template segment<2>(3 * i) - near;
       at.bias(rows) = near * qd[3 * i + 2] * qd[3 * i + 2];
       at.jacobian.template block<2, 2>(2 * i, 3 * i).setIdentity();
       at.jacobian.template block<2, 1>(2 * i, 3 * i + 2) = -across(near);
       if (i == 0) continue;
       const int p = i - 1;
-      const Eigen::Vector2d far = half_length_[p] * along(q[3 * p + 2]);
+      const Eigen::Vector2d far = to_far_[p] * along(q[3 * p + 2]);
       at.error(rows) -= q.template segment<2>(3 * p) + far;
       at.bias(rows) += far * qd[3 * p + 2] * qd[3 * p + 2];
       at.jacobian.template block<2, 2>(2 * i, 3 * p) = -Eigen::Matrix2d::Identity();
@@ -117,7 +118,7 @@ class PlanarChain {
 
   double ks_;
   double kd_;
-  Eigen::Matrix<double, N, 1> half_length_;
+  Eigen::Matrix<double, N, 1> to_near_, to_far_;
   Coordinates inverse_mass_;
   Coordinates weight_;
 };

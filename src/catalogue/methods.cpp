@@ -41,6 +41,8 @@ constexpr MakeSimulation quickstep_single = nullptr;
 bool every(const Problem&) { return true; }
 bool pendulums(const Problem& problem) { return problem.family == Family::pendulum; }
 bool without_wall(const Problem& problem) { return pendulums(problem) && !problem.wall; }
+bool one_or_two_links_without_wall(const Problem& problem) { return problem.links != 0 && !problem.wall; }
+bool one_link_or_no_wall(const Problem& problem) { return problem.links == 1 || without_wall(problem); }
 bool closed_form(const Problem& problem) { return problem.links == 1 || problem.family == Family::bodies; }
 
 bool in_free_flight(const Problem& problem) { return problem.name == "free_box" || problem.name == "thin_body"; }
@@ -79,24 +81,25 @@ constexpr std::array table{
            reference::tight_tolerances.rtol, reference::tight_tolerances.atol, pendulums_or_free, make_cvode,
            Settings::none, mass_matrix},
     Method{"lagrange-quad", "closed-form Lagrangian", "extrapolation in quad precision: certifies the reference",
-           generalized, 0, 0, 0, without_wall, reference::make_quad, Settings::none, mass_matrix},
+           generalized, 0, 0, 0, one_or_two_links_without_wall, reference::make_quad, Settings::none, mass_matrix},
     Method{"lagrange-ode45", "closed-form Lagrangian", "Dormand-Prince 5(4) as MATLAB's ode45", generalized, 0,
-           reference::ode45_rtol, reference::ode45_atol, pendulums, reference::make_ode45, Settings::none, mass_matrix},
+           reference::ode45_rtol, reference::ode45_atol, one_link_or_no_wall, reference::make_ode45, Settings::none,
+           mass_matrix},
     Method{"dh-ode45", "recursive Newton-Euler from DH parameters", "Dormand-Prince 5(4) as MATLAB's ode45",
            generalized, 0, reference::ode45_rtol, reference::ode45_atol, without_wall, reference::make_dh_ode45,
            Settings::none, mass_matrix},
     Method{"lagrange-rk4", "closed-form Lagrangian", "classical Runge-Kutta, fixed step", generalized, 4, 0, 0,
-           pendulums, reference::make_rk4, Settings::none, mass_matrix},
-    Method{"lagrange-euler", "closed-form Lagrangian", "explicit Euler, fixed step", generalized, 1, 0, 0, pendulums,
-           reference::make_euler, Settings::none, mass_matrix},
+           one_link_or_no_wall, reference::make_rk4, Settings::none, mass_matrix},
+    Method{"lagrange-euler", "closed-form Lagrangian", "explicit Euler, fixed step", generalized, 1, 0, 0,
+           one_link_or_no_wall, reference::make_euler, Settings::none, mass_matrix},
     Method{"lagrange-symplectic-euler", "closed-form Lagrangian", "symplectic Euler, fixed step", generalized, 1, 0, 0,
-           pendulums, reference::make_symplectic_euler, Settings::none, mass_matrix},
+           one_link_or_no_wall, reference::make_symplectic_euler, Settings::none, mass_matrix},
     Method{"maximal-euler", "Newton-Euler with Lagrange multipliers", "explicit Euler, fixed step", cartesian, 1, 0, 0,
-           without_wall, reference::make_maximal_euler, Settings::maximal, planar_joints},
+           one_or_two_links_without_wall, reference::make_maximal_euler, Settings::maximal, planar_joints},
     Method{"maximal-rk4", "Newton-Euler with Lagrange multipliers", "classical Runge-Kutta, fixed step", cartesian, 4,
-           0, 0, without_wall, reference::make_maximal_rk4, Settings::maximal, planar_joints},
-    Method{"maximal-ode-step", "one dWorldStep rebuilt", "ODE's own scheme, fixed step", cartesian, 1, 0, 0, pendulums,
-           reference::make_maximal_ode_step, Settings::ode, hinge_rows_cfm},
+           0, 0, one_or_two_links_without_wall, reference::make_maximal_rk4, Settings::maximal, planar_joints},
+    Method{"maximal-ode-step", "one dWorldStep rebuilt", "ODE's own scheme, fixed step", cartesian, 1, 0, 0,
+           one_link_or_no_wall, reference::make_maximal_ode_step, Settings::ode, hinge_rows_cfm},
     Method{"analytic", "closed form", "elliptic functions and the like", generalized, 0, 0, 0, closed_form,
            make_analytic, Settings::none, mass_matrix},
 };

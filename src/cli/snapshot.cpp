@@ -224,6 +224,22 @@ class Album {
   std::vector<std::string> written_;
 };
 
+/// Of bodies: where the reference has them in the rows, which is near where any method has them.
+std::vector<render::Pose> shown_poses(catalogue::Evaluator& evaluator, const std::vector<std::size_t>& rows,
+                                      bool film) {
+  std::vector<render::Pose> poses;
+  if (evaluator.scenario().family() != Family::bodies) return poses;
+  const Trace& truth = evaluator.reference().trace;
+  for (const std::size_t row : rows) poses.push_back(render::pose_at(evaluator.scenario(), truth, row));
+  if (!film) return poses;
+  constexpr std::size_t enough = 200;
+  const std::size_t stride = std::max<std::size_t>(truth.rows() / enough, 1);
+  for (std::size_t row = 0; row < truth.rows(); row += stride) {
+    poses.push_back(render::pose_at(evaluator.scenario(), truth, row));
+  }
+  return poses;
+}
+
 int snapshot(const Options& options) {
   const Scenario scenario = options.settings.read(options.scenario);
   const auto methods = chosen_methods(options.methods, scenario);
@@ -234,7 +250,8 @@ int snapshot(const Options& options) {
   if (rows.empty() && !options.film) throw UserError("--times: names no time; give --times T1[,T2...] in s, or --film");
   if (rows.empty() && options.sheet) throw UserError("--sheet: needs --times T1[,T2...] in s");
 
-  render::Studio studio(scenario, view, size.width, size.height, render::caption_font());
+  render::Studio studio(scenario, view, size.width, size.height, render::caption_font(),
+                        shown_poses(evaluator, rows, options.film));
   if (options.sheet && !studio.has_room_for(rows.size())) {
     throw UserError(
         fmt::format("--times: {} poses do not fit on a sheet of --size {}; fewer times or a larger size will",
@@ -253,7 +270,7 @@ int snapshot(const Options& options) {
       if (options.film) album.film();
       std::ranges::copy(album.written(), std::back_inserter(written));
       if (const std::string times = album.cut_off(rows); !times.empty()) {
-        std::cerr << "odeval: " << method->name << ": the picture does not hold all of the links at t = " << times
+        std::cerr << "odeval: " << method->name << ": the picture does not hold all of the bodies at t = " << times
                   << " s; --camera sees more from farther away\n";
       }
       if (run.outcome.diverged) {
@@ -280,8 +297,9 @@ Action attach_snapshot(CLI::App& app) {
   app.add_option("--size", options->size, "pixels of a picture or sheet, 16x16 to 8192x8192")
       ->type_name("WxH")
       ->capture_default_str();
-  app.add_option("--camera", options->camera,
-                 "front, side, corner, or AZIMUTH,ELEVATION[,DISTANCE] in degrees (and m from the first hinge)")
+  app.add_option(
+         "--camera", options->camera,
+         "front, side, corner, or AZIMUTH,ELEVATION[,DISTANCE] in degrees (and m from the first hinge or the middle)")
       ->type_name("VIEW")
       ->capture_default_str();
   app.add_flag("--sheet", options->sheet, "all times on one picture");

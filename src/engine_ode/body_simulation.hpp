@@ -8,7 +8,7 @@ namespace odeval::engine_ode {
 class BodySimulation final : public SteppedSimulation {
  public:
   BodySimulation(const Scenario& scenario, const SampleGrid& grid, StepFunction step)
-      : SteppedSimulation(scenario, grid, step, &build_bodies, scenario.ground.has_value()) {}
+      : SteppedSimulation(scenario, grid, step, &build_bodies, scenario.ground ? 1 : 0) {}
   BodySimulation(const Scenario& scenario, const SampleGrid& grid, MakeStepper make_stepper)
       : BodySimulation(scenario, grid, StepFunction{}) {
     use(make_stepper);
@@ -16,10 +16,11 @@ class BodySimulation final : public SteppedSimulation {
 
  private:
   /// Of the first body: the height of its centre above the ground, and that height's rate.
-  Impact impact_before(double t, double depth) const override {
-    return {t, along_normal(scene().bodies().front().position), rate_after(), 0, depth};
+  double depth_of(std::size_t) const override { return scene().depth(); }
+  Impact impact_before(double t, std::size_t, double depth) const override {
+    return {t, along_normal(scene().bodies().front().position), rate_after(0), 0, depth};
   }
-  double rate_after() const override { return along_normal(scene().bodies().front().velocity); }
+  double rate_after(std::size_t) const override { return along_normal(scene().bodies().front().velocity); }
 
   double along_normal(const dReal* v) const { return dot(scenario().ground->normal(), {v[0], v[1], v[2]}); }
 };

@@ -35,14 +35,20 @@ void add_links(Scene& scene, const Scenario& scenario) {
     rate += scenario.qd0[i];
     const Vec3 along = moved(moved({}, std::cos(angle), frame.horizontal), std::sin(angle), frame.up);
     const Vec3 across = cross(axis, along);  // a point at distance s along the link moves with rate * s * across
-    const Vec3 centre = moved(near, link.length_m / 2, along);
-    const Vec3 velocity = moved(near_velocity, rate * link.length_m / 2, across);
+    const Vec3 centre = moved(near, link.centre_m(), along);
+    const Vec3 velocity = moved(near_velocity, rate * link.centre_m(), across);
 
     const Vec3 sides = box_sides(link, frame);
     dMass mass;
-    dMassSetBoxTotal(&mass, real(link.mass_kg), real(sides[0]), real(sides[1]), real(sides[2]));
-    const dBodyID body =
-        scene.add_body(mass, dCreateBox(scene.space(), real(sides[0]), real(sides[1]), real(sides[2])));
+    dGeomID geom = nullptr;
+    if (link.shape == Shape::box) {
+      dMassSetBoxTotal(&mass, real(link.mass_kg), real(sides[0]), real(sides[1]), real(sides[2]));
+      geom = dCreateBox(scene.space(), real(sides[0]), real(sides[1]), real(sides[2]));
+    } else {
+      dMassSetSphereTotal(&mass, real(link.mass_kg), real(link.width_m / 2));
+      geom = dCreateSphere(scene.space(), real(link.width_m / 2));
+    }
+    const dBodyID body = scene.add_body(mass, geom);
     dMatrix3 rotation;
     dRFromAxisAndAngle(rotation, real(axis[0]), real(axis[1]), real(axis[2]), real(angle + frame.rest_turn_rad));
     dBodySetRotation(body, rotation);

@@ -15,7 +15,7 @@ double nearest_branch(double angle, double near) { return angle + full_turn * st
 }  // namespace
 
 PendulumSimulation::PendulumSimulation(const Scenario& scenario, const SampleGrid& grid, StepFunction step)
-    : SteppedSimulation(scenario, grid, step, &build_pendulum, scenario.wall.has_value()) {
+    : SteppedSimulation(scenario, grid, step, &build_pendulum, scenario.wall ? scenario.links.size() : 0) {
   double angle = 0;
   for (const double q : scenario.q0) angles_.push_back(angle += q);
   follow();
@@ -45,9 +45,24 @@ double PendulumSimulation::direction(std::size_t link) const {
 /// q1 of a link against a wall, which keeps it within half a turn of the direction away from it.
 double PendulumSimulation::angle() const { return direction(0) + full_turn * std::round(scenario().q0[0] / full_turn); }
 
-double PendulumSimulation::rate_after() const {
-  const dReal* spin = scene().bodies().front().spin;
-  return dot({spin[0], spin[1], spin[2]}, scenario().problem->frame.axis());
+/// Of a ball in the wall, or of the one link in its contacts.
+double PendulumSimulation::depth_of(std::size_t link) const {
+  if (scenario().links.size() == 1) return scene().depth();
+  return scenario().wall->face_m + scenario().links[link].width_m / 2 -
+         static_cast<double>(scene().bodies()[link].position[0]);
+}
+
+Impact PendulumSimulation::impact_before(double t, std::size_t link, double depth) const {
+  Impact impact{t, angle(), rate_after(link), 0, depth};
+  if (scenario().links.size() > 1) impact.link = static_cast<int>(link) + 1;
+  return impact;
+}
+
+/// The rate of a single link, or the velocity of one of two balls away from the wall.
+double PendulumSimulation::rate_after(std::size_t link) const {
+  const BodyView& body = scene().bodies()[link];
+  if (scenario().links.size() > 1) return body.velocity[0];
+  return dot({body.spin[0], body.spin[1], body.spin[2]}, scenario().problem->frame.axis());
 }
 
 }  // namespace odeval::engine_ode

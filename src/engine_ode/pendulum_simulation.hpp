@@ -12,8 +12,9 @@ class PendulumSimulation final : public SteppedSimulation {
  private:
   void follow() override;
   double angle_of(std::size_t link) const override { return angles_[link]; }
-  Impact impact_before(double t, double depth) const override { return {t, angle(), rate_after(), 0, depth}; }
-  double rate_after() const override;
+  double depth_of(std::size_t link) const override;
+  Impact impact_before(double t, std::size_t link, double depth) const override;
+  double rate_after(std::size_t link) const override;
 
   double direction(std::size_t link) const;
   double angle() const;

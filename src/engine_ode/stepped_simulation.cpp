@@ -7,20 +7,22 @@
 namespace odeval::engine_ode {
 
 SteppedSimulation::SteppedSimulation(const Scenario& scenario, const SampleGrid& grid, StepFunction step,
-                                     BuildScene build, bool touchable)
-    : scenario_(scenario), grid_(grid), step_(step), scene_(scenario), touchable_(touchable) {
+                                     BuildScene build, std::size_t touchers)
+    : scenario_(scenario), grid_(grid), step_(step), scene_(scenario), touching_(touchers) {
   build(scene_, scenario_);
   impacts_.reserve(1024);
+  touched_.reserve(touchers);
 }
 
 void SteppedSimulation::use(MakeStepper make_stepper) {
   SteppedWorld world{scene_.world(), scene_.space(), {}, {}, {}};
-  if (touchable_) world.restitution = scenario_.ode.bounce.value_or(scenario_.restitution());
+  if (!touching_.empty()) world.restitution = scenario_.ode.bounce.value_or(scenario_.restitution());
   world.before_impact = [this](double after_s) {
     ++contacts_;
-    impacts_.push_back(impact_before(time_of(stepper_steps_) + after_s, 0));
+    touched_.assign(1, deepest());
+    impacts_.push_back(impact_before(time_of(stepper_steps_) + after_s, touched_[0], 0));
   };
-  world.after_impact = [this] { impacts_.back().qd_after = rate_after(); };
+  world.after_impact = [this] { impacts_.back().qd_after = rate_after(touched_[0]); };
   stepper_ = make_stepper(world);
 }
 
@@ -61,23 +63,38 @@ void SteppedSimulation::step_once(long steps_done) {
     contacts_ = 0;
     stepper_->step(grid_.step_s);
     ++stepper_steps_;
-  } else if (touchable_) {
+  } else if (!touching_.empty()) {
     step_with_contacts(steps_done);
   } else {
     step_(scene_.world(), static_cast<dReal>(grid_.step_s));
   }
 }
 
-// An impact is a run of steps with contacts; its first step carries the bounce.
+// An impact is a run of steps in which a thing has contacts; its first step carries the bounce.
 void SteppedSimulation::step_with_contacts(long steps_done) {
   scene_.collide();
-  const bool first_touch = scene_.contacts() > 0 && !touching_;
   contacts_ = scene_.contacts();
-  touching_ = contacts_ > 0;
-  if (first_touch) impacts_.push_back(impact_before(time_of(steps_done), scene_.depth()));
+  touched_.clear();
+  for (std::size_t i = 0; i < touching_.size(); ++i) {
+    const double depth = contacts_ > 0 ? depth_of(i) : -1;
+    if (depth >= 0 && touching_[i] == 0) {
+      touched_.push_back(i);
+      impacts_.push_back(impact_before(time_of(steps_done), i, depth));
+    }
+    touching_[i] = depth >= 0;
+  }
   step_(scene_.world(), static_cast<dReal>(grid_.step_s));
   scene_.clear_contacts();
-  if (first_touch) impacts_.back().qd_after = rate_after();
+  Impact* impact = impacts_.data() + impacts_.size() - touched_.size();
+  for (const std::size_t toucher : touched_) (impact++)->qd_after = rate_after(toucher);
+}
+
+std::size_t SteppedSimulation::deepest() const {
+  std::size_t found = 0;
+  for (std::size_t i = 1; i < touching_.size(); ++i) {
+    if (depth_of(i) > depth_of(found)) found = i;
+  }
+  return found;
 }
 
 // Positions follow velocities, so these are enough. The squares must stay finite as well: energies hold them.

@@ -15,20 +15,28 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 struct dxBody;   // ODE's dBodyID is dxBody*
 struct dxGeom;   // dGeomID
+struct dxJoint;  // dJointID
 struct dxSpace;  // dSpaceID
 struct dxWorld;  // dWorldID
 
 namespace odeval {
 
-/// The world holds what this step can not do, or a state it can not start from. The message names the body or joint by
-/// its number in the order of discovery and says what would be right. The world is as it was before the call.
+/// The world holds what this step can not do, or a state it can not start from or come to. The message says what would
+/// be right. It numbers bodies: AccurateStepOptions::bodies in their order, then those of the space's geoms in the
+/// order the geoms were made or last moved, then what joints lead to; a body keeps its number. The world is as it was
+/// before the call, to the last bit.
 class AccurateStepError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit AccurateStepError(const std::string& what, dxBody* of_body = nullptr, dxJoint* of_joint = nullptr)
+      : std::runtime_error(what), body(of_body), joint(of_joint) {}
+
+  dxBody* body;    // that the message speaks of, if any
+  dxJoint* joint;  // likewise
 };
 
 /// What happens where two geoms touch. Friction is not modelled.
@@ -44,30 +52,38 @@ struct Touch {
   std::size_t contacts;
 };
 
+/// Its functions are called during a step. They may throw: the step then puts the world back and lets it pass. They
+/// must not change what they are not asked for.
 struct AccurateStepOptions {
   /// Asked for each pair of geoms whose bodies no joint connects; nothing: they pass through each other. Without the
   /// function nothing touches anything.
   std::function<std::optional<Bounce>(dxGeom*, dxGeom*)> contact;
+  /// Forces that change within a step: springs, drag, controllers. Called at each stage (four a step, more where an
+  /// impact is looked for) with the seconds since the step began, while ODE's bodies show poses and velocities of that
+  /// moment; adds to the bodies' forces and torques. What was added before the step acts besides.
+  std::function<void(double t)> forces;
   /// Called at each impact, while ODE's bodies show poses and velocities just before it, and just after it.
   std::function<void(const Touch&)> before_impact;
   std::function<void(const Touch&)> after_impact;
-  /// Bodies that neither a geom of the space nor a joint leads to: ODE has no list of a world's bodies.
+  /// Bodies that neither a geom of the space nor a joint leads to, for ODE has no list of a world's bodies; others may
+  /// be named too. They must live as long as the step.
   std::vector<dxBody*> bodies;
-  /// m and rad. Larger joint errors than this are an AccurateStepError; smaller ones the first step's projection mends.
+  /// m and rad, > 0. A larger error of a joint at the start of a step, and a larger overlap that can not be pushed out,
+  /// are an AccurateStepError; smaller errors are mended by projection.
   double start_gap = 1e-3;
-  /// m/s. A body that comes to a contact slower than this does not bounce but rests.
+  /// m/s, >= 0. What comes to a contact slower than this does not bounce, and what leaves it slower rests.
   double rest_speed = 1e-3;
-  /// Impacts located in one step; further ones in the same step do not bounce.
+  /// Impacts located in one step, at least 1; further ones in the same step do not bounce.
   int most_impacts = 64;
 };
 
 /// Steps one world. The world, its space, bodies and joints stay the user's: poses, velocities and forces are read from
 /// ODE at the start of each call and written back at its end, so everything else a program does with them goes on
-/// working. Joints and bodies that come and go are noticed.
+/// working. Joints, bodies and geoms that come and go or are changed are noticed at the next call.
 class AccurateStep {
  public:
   /// Throws AccurateStepError for what is not supported: joints other than ball, hinge, slider, universal and fixed;
-  /// motors and stops; kinematic or disabled bodies; damping and speed limits.
+  /// motors and stops; kinematic or disabled bodies; damping and speed limits; options out of their range.
   explicit AccurateStep(dxWorld* world, dxSpace* space = nullptr, AccurateStepOptions options = {});
   ~AccurateStep();
   AccurateStep(AccurateStep&&) noexcept;

@@ -36,8 +36,14 @@ std::vector<std::size_t> minimum_degree(Neighbours& graph, std::vector<std::vect
 
 }  // namespace
 
-BlockLdl::BlockLdl(std::size_t size, const std::vector<std::pair<std::size_t, std::size_t>>& pairs)
-    : place_(size), columns_(size), updates_(size), diagonal_(size), own_(size), inverse_pivots_(size) {
+BlockLdl::BlockLdl(const std::vector<Eigen::Index>& rows, const std::vector<std::pair<std::size_t, std::size_t>>& pairs)
+    : place_(rows.size()),
+      columns_(rows.size()),
+      updates_(rows.size()),
+      diagonal_(rows.size()),
+      own_(rows.size()),
+      inverse_pivots_(rows.size(), Vector6::Zero()) {
+  const std::size_t size = rows.size();
   Neighbours graph(size);
   for (const auto& [a, b] : pairs) {
     graph[a].insert(b);
@@ -46,6 +52,7 @@ BlockLdl::BlockLdl(std::size_t size, const std::vector<std::pair<std::size_t, st
   std::vector<std::vector<std::size_t>> below(size);
   block_at_ = minimum_degree(graph, below);
   for (std::size_t p = 0; p < size; ++p) place_[block_at_[p]] = p;
+  for (const std::size_t block : block_at_) rows_.push_back(rows[block]);
 
   std::map<std::pair<std::size_t, std::size_t>, std::size_t> slots;  // row place, column place
   for (std::size_t column = 0; column < size; ++column) {
@@ -85,15 +92,16 @@ void BlockLdl::factor(double tolerance) {
   for (std::size_t p = 0; p < diagonal_.size(); ++p) own_[p] = diagonal_[p].diagonal();
   for (std::size_t column = 0; column < columns_.size(); ++column) {
     Matrix6& d = diagonal_[column];
-    factor_block(d, inverse_pivots_[column], tolerance * own_[column]);
+    const Eigen::Index rows = rows_[column];
+    factor_block(rows, d, inverse_pivots_[column], tolerance * own_[column]);
     const std::vector<Entry>& entries = columns_[column];
     for (std::size_t e = 0; e < entries.size(); ++e) {
       Matrix6& block = lower_[entries[e].slot];
-      for (Eigen::Index j = 1; j < 6; ++j) {
+      for (Eigen::Index j = 1; j < rows; ++j) {
         for (Eigen::Index m = 0; m < j; ++m) block.col(j) -= d(j, m) * block.col(m);
       }
       scaled_[e] = block;
-      for (Eigen::Index j = 0; j < 6; ++j) block.col(j) *= inverse_pivots_[column][j];
+      for (Eigen::Index j = 0; j < rows; ++j) block.col(j) *= inverse_pivots_[column][j];
     }
     for (const Update& update : updates_[column]) {
       Matrix6& target = update.on_diagonal ? diagonal_[update.target] : lower_[update.target];
@@ -103,17 +111,17 @@ void BlockLdl::factor(double tolerance) {
 }
 
 /// L D L' in place: the unit lower triangle below the diagonal. Pivots not above their least are left out.
-void BlockLdl::factor_block(Matrix6& d, Vector6& inverse, const Vector6& least) {
-  for (Eigen::Index k = 0; k < 6; ++k) {
+void BlockLdl::factor_block(Eigen::Index rows, Matrix6& d, Vector6& inverse, const Vector6& least) {
+  for (Eigen::Index k = 0; k < rows; ++k) {
     const double pivot = d(k, k);
     const bool kept = pivot > least[k];
     left_out_ += kept ? 0 : 1;
     inverse[k] = kept ? 1 / pivot : 0;
-    for (Eigen::Index j = k + 1; j < 6; ++j) {
+    for (Eigen::Index j = k + 1; j < rows; ++j) {
       const double l = d(j, k) * inverse[k];
-      for (Eigen::Index i = j; i < 6; ++i) d(i, j) -= l * d(i, k);
+      for (Eigen::Index i = j; i < rows; ++i) d(i, j) -= l * d(i, k);
     }
-    for (Eigen::Index i = k + 1; i < 6; ++i) d(i, k) *= inverse[k];
+    for (Eigen::Index i = k + 1; i < rows; ++i) d(i, k) *= inverse[k];
   }
 }
 
@@ -122,8 +130,9 @@ void BlockLdl::solve(std::vector<Vector6>& x) const {
   for (std::size_t column = 0; column < size; ++column) {
     Vector6& y = x[block_at_[column]];
     const Matrix6& d = diagonal_[column];
-    for (Eigen::Index j = 0; j < 5; ++j) {
-      for (Eigen::Index i = j + 1; i < 6; ++i) y[i] -= d(i, j) * y[j];
+    const Eigen::Index rows = rows_[column];
+    for (Eigen::Index j = 0; j < rows; ++j) {
+      for (Eigen::Index i = j + 1; i < rows; ++i) y[i] -= d(i, j) * y[j];
     }
     for (const Entry& entry : columns_[column]) x[block_at_[entry.row]].noalias() -= lower_[entry.slot] * y;
   }
@@ -134,8 +143,8 @@ void BlockLdl::solve(std::vector<Vector6>& x) const {
     for (const Entry& entry : columns_[column]) {
       y.noalias() -= lower_[entry.slot].transpose() * x[block_at_[entry.row]];
     }
-    for (Eigen::Index i = 5; i-- > 0;) {
-      for (Eigen::Index k = i + 1; k < 6; ++k) y[i] -= d(k, i) * y[k];
+    for (Eigen::Index i = rows_[column]; i-- > 0;) {
+      for (Eigen::Index k = i + 1; k < rows_[column]; ++k) y[i] -= d(k, i) * y[k];
     }
   }
 }

@@ -16,8 +16,9 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 class BlockLdl {
  public:
-  /// Plans for `size` block rows with non-zero blocks on the diagonal and at the given pairs. Each pair once.
-  BlockLdl(std::size_t size, const std::vector<std::pair<std::size_t, std::size_t>>& pairs);
+  /// Plans for blocks of the given numbers of rows (at most 6; the others are zero) with non-zero blocks on the
+  /// diagonal and at the given pairs. Each pair once.
+  BlockLdl(const std::vector<Eigen::Index>& rows, const std::vector<std::pair<std::size_t, std::size_t>>& pairs);
 
   /// The matrix to fill in before `factor`, lower triangle: the diagonal blocks (their lower triangles), and for pair p
   /// of the constructor the block with the rows of `later(p)` and the columns of the other one.
@@ -38,7 +39,7 @@ class BlockLdl {
   std::size_t left_out() const { return left_out_; }
 
  private:
-  void factor_block(Matrix6& block, Vector6& inverse_pivots, const Vector6& least);
+  void factor_block(Eigen::Index rows, Matrix6& block, Vector6& inverse_pivots, const Vector6& least);
 
   struct Entry {
     std::size_t row;   // place in the order of elimination
@@ -53,6 +54,7 @@ class BlockLdl {
 
   std::vector<std::size_t> place_;            // of each block in the order of elimination
   std::vector<std::size_t> block_at_;         // and back
+  std::vector<Eigen::Index> rows_;            // by place
   std::vector<std::vector<Entry>> columns_;   // below the diagonal
   std::vector<std::vector<Update>> updates_;  // what eliminating a column changes
   std::vector<std::size_t> pair_slot_;

@@ -1,99 +1,84 @@
 #include "engine_rk4/impact.hpp"
 
-#include <Eigen/Dense>
-#include <algorithm>
-#include <cmath>
+#include "engine_rk4/complementarity.hpp"
 
 namespace odeval::engine_rk4 {
 namespace {
 
-void add_impulse(const Contact& contact, double size, const State& state, std::vector<Wrench>& impulses) {
-  const auto push = [&](std::size_t body, double signed_size) {
-    if (body == world_body) return;
-    const Vector3d force = signed_size * contact.normal;
-    impulses[body].force += force;
-    impulses[body].torque += (contact.point - state[body].pose.position).cross(force);
-  };
-  push(contact.a, size);
-  push(contact.b, -size);
-}
+std::size_t index(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
-double along_normal(const Contact& contact, const State& state, const std::vector<Twist>& twists) {
-  const auto of = [&](std::size_t body) -> double {
-    if (body == world_body) return 0;
-    const Vector3d arm = contact.point - state[body].pose.position;
-    return contact.normal.dot(twists[body].linear + twists[body].angular.cross(arm));
-  };
-  return of(contact.a) - of(contact.b);
-}
-
-/// p >= 0, A p + b >= 0, p (A p + b) = 0, by projected Gauss-Seidel: A is positive semidefinite, and several contacts
-/// may say the same, which this leaves undecided between them without harm to the velocities.
-Eigen::VectorXd complementary(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
-  constexpr int most = 20000;
-  const double enough = 1e-15 * b.cwiseAbs().maxCoeff();
-  Eigen::VectorXd p = Eigen::VectorXd::Zero(b.size());
-  for (int round = 0; round < most; ++round) {
-    double change = 0;
-    for (Eigen::Index i = 0; i < b.size(); ++i) {
-      if (!(a(i, i) > 0)) continue;  // a joint holds this direction
-      const double wanted = std::max(0.0, p[i] - (a.row(i).dot(p) + b[i]) / a(i, i));
-      change = std::max(change, a(i, i) * std::fabs(wanted - p[i]));
-      p[i] = wanted;
-    }
-    if (change <= enough) break;
-  }
-  return p;
-}
-
-/// The change of all twists by complementary impulses at the contacts, given the right-hand side b.
-std::vector<Twist> response(Motion& motion, const std::vector<Contact>& contacts, const Eigen::VectorXd& b,
-                            const State& state) {
-  const auto count = static_cast<Eigen::Index>(contacts.size());
-  const std::vector<Wrench> none(state.size(), {Vector3d::Zero(), Vector3d::Zero()});
-  Eigen::MatrixXd a(count, count);
-  std::vector<Twist> change;
-  for (Eigen::Index j = 0; j < count; ++j) {
-    std::vector<Wrench> impulses = none;
-    add_impulse(contacts[static_cast<std::size_t>(j)], 1, state, impulses);
-    motion.respond(impulses, change);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      a(i, j) = along_normal(contacts[static_cast<std::size_t>(i)], state, change);
-    }
-  }
-  const Eigen::VectorXd p = complementary(a, b);
-  std::vector<Wrench> impulses = none;
-  for (Eigen::Index i = 0; i < count; ++i) add_impulse(contacts[static_cast<std::size_t>(i)], p[i], state, impulses);
-  motion.respond(impulses, change);
-  return change;
+double along(const Vector3d& normal, const Vector3d& arm, const Twist& twist) {
+  return normal.dot(twist.linear + twist.angular.cross(arm));
 }
 
 }  // namespace
 
-double normal_speed(const Contact& contact, const State& state) {
-  std::vector<Twist> twists;
-  for (const BodyNow& body : state) twists.push_back(body.twist);
-  return along_normal(contact, state, twists);
+double normal_speed(const Contact& contact, const State& state) { return normal_speed(contact, state, state); }
+
+double normal_speed(const Contact& contact, const State& found_at, const State& velocities) {
+  const auto of = [&](std::size_t body) {
+    if (body == world_body) return 0.0;
+    return along(contact.normal, contact.point - found_at[body].pose.position, velocities[body].twist);
+  };
+  return of(contact.a) - of(contact.b);
 }
 
-void strike(Motion& motion, const std::vector<Contact>& contacts, double rest_speed, State& state) {
-  Eigen::VectorXd b(static_cast<Eigen::Index>(contacts.size()));
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const double before = normal_speed(contacts[i], state);
-    b[static_cast<Eigen::Index>(i)] = before < -rest_speed ? (1 + contacts[i].restitution) * before : before;
+Impact::Impact(Motion& motion, std::span<const Contact> contacts, const State& state)
+    : motion_(motion), contacts_(contacts), impulses_(state.size()), change_(state.size()) {
+  const auto count = static_cast<Eigen::Index>(contacts.size());
+  for (const Contact& contact : contacts) {
+    for (const std::size_t body : {contact.a, contact.b}) {
+      arms_.push_back(body == world_body ? Vector3d::Zero() : Vector3d(contact.point - state[body].pose.position));
+    }
   }
-  const std::vector<Twist> change = response(motion, contacts, b, state);
+  speeds_.resize(count, count);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    respond(Eigen::VectorXd::Unit(count, j));
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const Contact& contact = contacts[index(i)];
+      double speed = 0;
+      if (contact.a != world_body) speed += along(contact.normal, arms_[2 * index(i)], change_[contact.a]);
+      if (contact.b != world_body) speed -= along(contact.normal, arms_[2 * index(i) + 1], change_[contact.b]);
+      speeds_(i, j) = speed;
+    }
+  }
+}
+
+void Impact::respond(const Eigen::VectorXd& sizes) const {
+  for (Wrench& impulse : impulses_) impulse = {Vector3d::Zero(), Vector3d::Zero()};
+  const auto push = [this](std::size_t body, const Vector3d& arm, const Vector3d& impulse) {
+    if (body == world_body) return;
+    impulses_[body].force += impulse;
+    impulses_[body].torque += arm.cross(impulse);
+  };
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const double size = sizes[static_cast<Eigen::Index>(i)];
+    if (size == 0) continue;
+    push(contacts_[i].a, arms_[2 * i], size * contacts_[i].normal);
+    push(contacts_[i].b, arms_[2 * i + 1], -size * contacts_[i].normal);
+  }
+  motion_.respond(impulses_, change_);
+}
+
+void Impact::strike(State& state) const {
+  Eigen::VectorXd b(static_cast<Eigen::Index>(contacts_.size()));
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const double before = normal_speed(contacts_[i], state);
+    b[static_cast<Eigen::Index>(i)] = before < 0 ? (1 + contacts_[i].restitution) * before : before;
+  }
+  respond(complementary(speeds_, b));
   for (std::size_t i = 0; i < state.size(); ++i) {
-    state[i].twist.linear += change[i].linear;
-    state[i].twist.angular += change[i].angular;
+    state[i].twist.linear += change_[i].linear;
+    state[i].twist.angular += change_[i].angular;
   }
 }
 
-void push_out(Motion& motion, const std::vector<Contact>& contacts, double depth, State& state) {
-  Eigen::VectorXd b(static_cast<Eigen::Index>(contacts.size()));
-  for (std::size_t i = 0; i < contacts.size(); ++i) b[static_cast<Eigen::Index>(i)] = depth - contacts[i].depth;
-  if ((b.array() >= 0).all()) return;
-  motion.displace(response(motion, contacts, b, state), state);
+double Impact::push_out(double depth, State& state) const {
+  Eigen::VectorXd b(static_cast<Eigen::Index>(contacts_.size()));
+  for (std::size_t i = 0; i < contacts_.size(); ++i) b[static_cast<Eigen::Index>(i)] = depth - contacts_[i].depth;
+  if ((b.array() >= 0).all()) return 0;
+  respond(complementary(speeds_, b));
+  return motion_.displace(change_, state);
 }
 
 }  // namespace odeval::engine_rk4

@@ -1,5 +1,7 @@
 #pragma once
 // What contacts do to velocities and poses: complementarity, solved for the whole mechanism.
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "engine_rk4/motion.hpp"
@@ -13,18 +15,37 @@ struct Contact {
   Vector3d normal;   // unit; moving a along it takes the bodies apart
   double depth;      // m
   double restitution;
-  std::size_t pair;  // which two geoms
+  std::pair<dGeomID, dGeomID> geoms;  // in the order of their addresses
 };
 
-/// Normal speed of a against b at a contact, m/s; negative: they approach.
+/// Normal speed of a against b at a contact found at `state`, m/s; negative: they approach.
 double normal_speed(const Contact& contact, const State& state);
+/// The same, for velocities of another time.
+double normal_speed(const Contact& contact, const State& found_at, const State& velocities);
 
-/// Newton's law with complementarity: after it every contact has v+ >= -e v- (e = 0 where it approaches slower than
-/// `rest_speed`, or does not approach), impulses only push, and where one pushes its contact has exactly that speed.
-/// All bodies feel the impulses through the joints. Uses the pose of the motion's last step or projection.
-void strike(Motion& motion, const std::vector<Contact>& contacts, double rest_speed, State& state);
+/// What impulses at the contacts of one pose do: that of the motion's last projection.
+class Impact {
+ public:
+  Impact(Motion& motion, std::span<const Contact> contacts, const State& state);
 
-/// Moves the bodies apart, mass-weighted and with joints kept, until no contact is deeper than `depth`.
-void push_out(Motion& motion, const std::vector<Contact>& contacts, double depth, State& state);
+  /// Newton's law with complementarity: after it every contact has v+ >= -e v- (>= 0 if it did not approach), impulses
+  /// only push, and where one pushes its contact has exactly that speed. All bodies feel the impulses through the
+  /// joints.
+  void strike(State& state) const;
+
+  /// Moves the bodies apart, mass-weighted and with joints kept, until no contact is deeper than `depth`, to the first
+  /// order in the way. Ends what the Impact can be used for. Returns the joint error that is left.
+  double push_out(double depth, State& state) const;
+
+ private:
+  void respond(const Eigen::VectorXd& sizes) const;  // into change_
+
+  Motion& motion_;
+  std::span<const Contact> contacts_;
+  Eigen::MatrixXd speeds_;      // of the contacts, for a unit impulse at each
+  std::vector<Vector3d> arms_;  // of each contact on its two bodies
+  mutable std::vector<Wrench> impulses_;
+  mutable std::vector<Twist> change_;
+};
 
 }  // namespace odeval::engine_rk4

@@ -5,26 +5,43 @@
 #include <map>
 #include <set>
 
-#include "engine_rk4/accurate_step.hpp"
+#include "engine_rk4/refuse.hpp"
 
 namespace odeval::engine_rk4 {
 namespace {
 
-[[noreturn]] void refuse(const std::string& what) { throw AccurateStepError("AccurateStep: " + what); }
-
 Vector3d vector(const dReal* v) { return {v[0], v[1], v[2]}; }
 
-std::string name(const std::string& kind, std::size_t number) { return kind + " " + std::to_string(number); }
+std::string name(std::size_t body) { return body == world_body ? "the world" : "body " + std::to_string(body); }
 
-/// Every body that geoms of the space, the given ones, and joints lead to, in that order.
-std::vector<dBodyID> discover(dWorldID world, dSpaceID space, std::span<dxBody* const> more) {
+std::string kind(dJointID joint) {
+  switch (dJointGetType(joint)) {
+    case dJointTypeBall:
+      return "ball joint";
+    case dJointTypeHinge:
+      return "hinge";
+    case dJointTypeSlider:
+      return "slider";
+    case dJointTypeUniversal:
+      return "universal joint";
+    case dJointTypeFixed:
+      return "fixed joint";
+    case dJointTypeContact:
+      return "contact joint";
+    default:
+      return "joint of another kind";
+  }
+}
+
+std::vector<dBodyID> discover(dWorldID world, dSpaceID space, std::span<dxBody* const> given,
+                              const std::map<dBodyID, std::size_t>& earlier) {
   std::vector<dBodyID> found;
   std::set<dBodyID> known;
   const auto meet = [&](dBodyID body) {
     if (body != nullptr && dBodyGetWorld(body) == world && known.insert(body).second) found.push_back(body);
   };
   const auto meet_geoms = [&](const auto& self, dSpaceID in) -> void {
-    for (int i = 0; i < dSpaceGetNumGeoms(in); ++i) {
+    for (int i = dSpaceGetNumGeoms(in); i-- > 0;) {  // the newest is the first
       const dGeomID geom = dSpaceGetGeom(in, i);
       if (dGeomIsSpace(geom) != 0) {
         self(self, reinterpret_cast<dSpaceID>(geom));
@@ -33,8 +50,8 @@ std::vector<dBodyID> discover(dWorldID world, dSpaceID space, std::span<dxBody* 
       }
     }
   };
+  for (const dBodyID body : given) meet(body);
   if (space != nullptr) meet_geoms(meet_geoms, space);
-  for (const dBodyID body : more) meet(body);
   for (std::size_t i = 0; i < found.size(); ++i) {
     for (int j = 0; j < dBodyGetNumJoints(found[i]); ++j) {
       const dJointID joint = dBodyGetJoint(found[i], j);
@@ -42,17 +59,22 @@ std::vector<dBodyID> discover(dWorldID world, dSpaceID space, std::span<dxBody* 
       meet(dJointGetBody(joint, 1));
     }
   }
+  std::ranges::stable_sort(found, {}, [&](dBodyID body) {
+    const auto known_as = earlier.find(body);
+    return known_as == earlier.end() ? earlier.size() : known_as->second;
+  });
   return found;
 }
 
 Body read_body(dBodyID id, std::size_t number) {
-  const std::string who = name("body", number);
-  if (dBodyIsKinematic(id) != 0) refuse(who + " is kinematic; only bodies with mass are moved");
-  if (dBodyIsEnabled(id) == 0) refuse(who + " is disabled; enable it with dBodyEnable");
-  if (dBodyGetLinearDamping(id) != 0 || dBodyGetAngularDamping(id) != 0)
-    refuse(who + " is damped; set its damping to 0");
-  if (dBodyGetMaxAngularSpeed(id) < dInfinity) refuse(who + " has a limited angular speed; set it to dInfinity");
-  if (dBodyGetGyroscopicMode(id) == 0) refuse(who + " has its gyroscopic term off; set its gyroscopic mode to 1");
+  const auto refuse_if = [&](bool bad, const char* why) {
+    if (bad) refuse(name(number) + why, id);
+  };
+  refuse_if(dBodyIsKinematic(id) != 0, " is kinematic; only bodies with mass are moved");
+  refuse_if(dBodyIsEnabled(id) == 0, " is disabled; enable it with dBodyEnable");
+  refuse_if(dBodyGetLinearDamping(id) != 0 || dBodyGetAngularDamping(id) != 0, " is damped; set its damping to 0");
+  refuse_if(dBodyGetMaxAngularSpeed(id) < dInfinity, " has a limited angular speed; set it to dInfinity");
+  refuse_if(dBodyGetGyroscopicMode(id) == 0, " has its gyroscopic term off; set its gyroscopic mode to 1");
   dMass mass;
   dBodyGetMass(id, &mass);
   Body body{id, 1 / mass.mass, {}, {}};
@@ -60,9 +82,9 @@ Body read_body(dBodyID id, std::size_t number) {
     for (Eigen::Index j = 0; j < 3; ++j) body.inertia(i, j) = mass.I[4 * i + j];
   }
   const Eigen::LLT<Matrix3d> cholesky(body.inertia);
-  if (!(mass.mass > 0) || !std::isfinite(mass.mass) || !body.inertia.allFinite() || cholesky.info() != Eigen::Success) {
-    refuse(who + " has no positive mass and inertia");
-  }
+  refuse_if(
+      !(mass.mass > 0) || !std::isfinite(mass.mass) || !body.inertia.allFinite() || cholesky.info() != Eigen::Success,
+      " has no positive mass and inertia");
   body.inverse_inertia = cholesky.solve(Matrix3d::Identity());
   return body;
 }
@@ -87,7 +109,7 @@ Frame frame_of(dBodyID body) {
 /// Builds a joint's constraints from anchors and axes in the world at its present pose.
 class JointReader {
  public:
-  JointReader(dJointID id, std::size_t number, const std::map<dBodyID, std::size_t>& numbers) : id_(id) {
+  JointReader(dJointID id, const std::map<dBodyID, std::size_t>& numbers) : id_(id) {
     // Without a second body ODE may hold the only one as the first or, reversed, as the second.
     dBodyID a = dJointGetBody(id, 0);
     dBodyID b = dJointGetBody(id, 1);
@@ -96,7 +118,6 @@ class JointReader {
     joint_ = {id, numbers.at(a), b == nullptr ? world_body : numbers.at(b), {}, {}, {}};
     a_ = frame_of(a);
     b_ = frame_of(b);
-    who_ = name("joint", number) + " (" + kind() + ")";
   }
 
   Joint read() {
@@ -125,32 +146,15 @@ class JointReader {
         same_turn();
         break;
       default:
-        refuse(who_ +
-               " is of a kind that is not supported; ball, hinge, slider, universal and fixed are, and contacts are "
-               "made by the step itself");
+        refuse_this(
+            " is of a kind that is not supported; ball, hinge, slider, universal and fixed are, and contacts are made "
+            "by the step itself");
     }
     return joint_;
   }
 
  private:
-  std::string kind() const {
-    switch (dJointGetType(id_)) {
-      case dJointTypeBall:
-        return "ball";
-      case dJointTypeHinge:
-        return "hinge";
-      case dJointTypeSlider:
-        return "slider";
-      case dJointTypeUniversal:
-        return "universal";
-      case dJointTypeFixed:
-        return "fixed";
-      case dJointTypeContact:
-        return "contact";
-      default:
-        return "another kind";
-    }
-  }
+  [[noreturn]] void refuse_this(const char* why) const { refuse(name(joint_) + why, dJointGetBody(id_, 0), id_); }
 
   using GetVector = void (*)(dJointID, dReal*);
   using GetParameter = dReal (*)(dJointID, int);
@@ -158,10 +162,9 @@ class JointReader {
   void free_of_motor(GetParameter get) const {
     for (const int group : {0, 0x100}) {
       if (group != 0 && dJointGetType(id_) != dJointTypeUniversal) continue;
-      if (get(id_, dParamFMax + group) != 0) refuse(who_ + " has a motor; set its dParamFMax to 0");
+      if (get(id_, dParamFMax + group) != 0) refuse_this(" has a motor; set its dParamFMax to 0");
       if (get(id_, dParamLoStop + group) > -dInfinity || get(id_, dParamHiStop + group) < dInfinity) {
-        refuse(who_ +
-               " has stops; they are not supported: set dParamLoStop to -dInfinity and dParamHiStop to dInfinity");
+        refuse_this(" has stops; they are not supported: set dParamLoStop to -dInfinity and dParamHiStop to dInfinity");
       }
     }
   }
@@ -207,10 +210,13 @@ class JointReader {
   bool reversed_;
   Joint joint_;
   Frame a_, b_;
-  std::string who_;
 };
 
 }  // namespace
+
+std::string name(const Joint& joint) {
+  return "the " + kind(joint.id) + " between " + name(joint.a) + " and " + name(joint.b);
+}
 
 Matrix3d rotation(const Eigen::Vector4d& turn) {
   const double w = turn[0], x = turn[1], y = turn[2], z = turn[3];
@@ -222,11 +228,10 @@ Matrix3d rotation(const Eigen::Vector4d& turn) {
   return r;
 }
 
-Mechanism read_mechanism(dWorldID world, dSpaceID space, std::span<dxBody* const> more) {
+Mechanism read_mechanism(dWorldID world, dSpaceID space, std::span<dxBody* const> given, const Mechanism& earlier) {
   Mechanism mechanism;
-  std::map<dBodyID, std::size_t> numbers;
-  for (const dBodyID body : discover(world, space, more)) {
-    numbers.emplace(body, mechanism.bodies.size());
+  for (const dBodyID body : discover(world, space, given, earlier.numbers)) {
+    mechanism.numbers.emplace(body, mechanism.bodies.size());
     mechanism.bodies.push_back(read_body(body, mechanism.bodies.size()));
   }
   if (mechanism.bodies.empty()) {
@@ -237,7 +242,7 @@ Mechanism read_mechanism(dWorldID world, dSpaceID space, std::span<dxBody* const
     for (int j = 0; j < dBodyGetNumJoints(body.id); ++j) {
       const dJointID id = dBodyGetJoint(body.id, j);
       if (dJointIsEnabled(id) == 0 || !known.insert(id).second) continue;
-      mechanism.joints.push_back(JointReader(id, mechanism.joints.size(), numbers).read());
+      mechanism.joints.push_back(JointReader(id, mechanism.numbers).read());
     }
   }
   for (std::size_t i = 0; i < mechanism.joints.size(); ++i) {
@@ -265,10 +270,6 @@ void constrain(const Joint& joint, const State& state, std::span<const Matrix3d>
   const Vector3d& v_a = a.twist.linear;
   const Vector3d& w_a = a.twist.angular;
 
-  rows.of_a.setZero();
-  rows.of_b.setZero();
-  rows.error.setZero();
-  rows.bias.setZero();
   Eigen::Index k = 0;
   const auto cross_matrix = [](const Vector3d& v) {
     Matrix3d m;

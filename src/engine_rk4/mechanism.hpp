@@ -15,6 +15,7 @@
 #include <ode/ode.h>
 
 #include <Eigen/Geometry>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -84,15 +85,21 @@ struct Mechanism {
   std::vector<Body> bodies;
   std::vector<Joint> joints;
   std::vector<std::pair<std::size_t, std::size_t>> neighbours;  // joints that share a body
+  std::map<dBodyID, std::size_t> numbers;
 };
 
 /// Rotation matrix of a quaternion of any length but 0.
 Matrix3d rotation(const Eigen::Vector4d& turn);
 
-/// Reads what the space's geoms, the given bodies and their joints lead to. Throws AccurateStepError.
-Mechanism read_mechanism(dWorldID world, dSpaceID space, std::span<dxBody* const> more);
+/// Reads the given bodies, those of the space's geoms in the order they were made, and what their joints lead to, and
+/// numbers them in this order; those of an earlier reading keep theirs. Throws AccurateStepError.
+Mechanism read_mechanism(dWorldID world, dSpaceID space, std::span<dxBody* const> given, const Mechanism& earlier = {});
 
-/// Fills `rows` for a joint at a state; `turns` are the rotation matrices of the state's bodies.
+/// "the hinge between body 0 and body 1"
+std::string name(const Joint& joint);
+
+/// Fills `rows` for a joint at a state; `turns` are the rotation matrices of the state's bodies. What is zero at every
+/// state is not written and must be zero before.
 void constrain(const Joint& joint, const State& state, std::span<const Matrix3d> turns, JointRows& rows);
 
 }  // namespace odeval::engine_rk4

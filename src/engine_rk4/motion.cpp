@@ -10,6 +10,11 @@ namespace {
 // a mechanism is within 1e-12 of a singular pose for no longer than it takes to pass it.
 constexpr double redundant_pivot = 1e-12;
 
+// m, rad. A correction of this size leaves its square, which is rounding; what a step of ordinary size needs is
+// smaller.
+constexpr double small_correction = 1e-7;
+constexpr double closed = 1e-13;  // m, rad: a hundred roundings of a body's size
+
 Eigen::Vector4d turn_rate(const Vector3d& w, const Eigen::Vector4d& q) {
   const Vector3d v = q.tail<3>();
   Eigen::Vector4d rate;
@@ -32,10 +37,16 @@ void turn_by(const Vector3d& angle, Eigen::Vector4d& q) {
   q.normalize();
 }
 
+std::vector<Eigen::Index> rows_of(const std::vector<Joint>& joints) {
+  std::vector<Eigen::Index> rows;
+  for (const Joint& joint : joints) rows.push_back(joint.rows());
+  return rows;
+}
+
 }  // namespace
 
 Motion::Motion(Mechanism mechanism)
-    : mechanism_(std::move(mechanism)), matrix_(mechanism_.joints.size(), mechanism_.neighbours) {
+    : mechanism_(std::move(mechanism)), matrix_(rows_of(mechanism_.joints), mechanism_.neighbours) {
   const std::size_t bodies = mechanism_.bodies.size();
   const std::size_t joints = mechanism_.joints.size();
   turns_.resize(bodies);
@@ -44,8 +55,9 @@ Motion::Motion(Mechanism mechanism)
   correction_.resize(bodies);
   stage_.resize(bodies);
   sum_.resize(bodies);
-  rows_.resize(joints);
-  rows_of_stage_.resize(joints);
+  const JointRows none{Matrix6::Zero(), Matrix6::Zero(), Vector6::Zero(), Vector6::Zero()};
+  rows_.assign(joints, none);
+  rows_of_stage_.assign(joints, none);
   weighted_.resize(joints);
   lambda_.resize(joints);
   stage_lambda_.resize(joints);
@@ -59,36 +71,46 @@ void Motion::look(const State& state) {
   for (std::size_t j = 0; j < rows_.size(); ++j) constrain(mechanism_.joints[j], state, turns_, rows_[j]);
 }
 
+/// The columns of a joint at a body, for A: (J M^-1) J'. The linear part of a joint with a point is plus or minus the
+/// identity in the point's three rows, and the rows of squares have none.
+void Motion::add_product(std::size_t i, std::size_t j, std::size_t body, Matrix6& block) const {
+  if (body == world_body) return;
+  const Joint& one = mechanism_.joints[i];
+  const Joint& other = mechanism_.joints[j];
+  const JointRows& rows = rows_[j];
+  const bool first = body == other.a;
+  if (!first && body != other.b) return;
+  const Matrix6& weighted = weighted_[i][body == one.a ? 0 : 1];
+  const Matrix6& row = first ? rows.of_a : rows.of_b;
+  block.noalias() += weighted.rightCols<3>() * row.rightCols<3>().transpose();
+  if (one.slides.empty() && other.slides.empty()) {
+    const bool same_side = (body == one.a) == first;
+    block.diagonal().head<3>().array() += (same_side ? 1 : -1) * mechanism_.bodies[body].inverse_mass;
+  } else {
+    block.noalias() += weighted.leftCols<3>() * row.leftCols<3>().transpose();
+  }
+}
+
 void Motion::factor() {
   matrix_.clear();
   const auto weigh = [this](const Matrix6& row, std::size_t body, Matrix6& weighted) {
+    if (body == world_body) return;
     weighted.leftCols<3>() = mechanism_.bodies[body].inverse_mass * row.leftCols<3>();
     weighted.rightCols<3>().noalias() = row.rightCols<3>() * inverse_inertias_[body];
   };
   for (std::size_t j = 0; j < rows_.size(); ++j) {
     const Joint& joint = mechanism_.joints[j];
-    Matrix6& diagonal = matrix_.diagonal(j);
     weigh(rows_[j].of_a, joint.a, weighted_[j][0]);
-    diagonal.noalias() = weighted_[j][0] * rows_[j].of_a.transpose();
-    if (joint.b != world_body) {
-      weigh(rows_[j].of_b, joint.b, weighted_[j][1]);
-      diagonal.noalias() += weighted_[j][1] * rows_[j].of_b.transpose();
-    }
-    for (Eigen::Index k = joint.rows(); k < 6; ++k) diagonal(k, k) = 1;
+    weigh(rows_[j].of_b, joint.b, weighted_[j][1]);
+    Matrix6& diagonal = matrix_.diagonal(j);
+    add_product(j, j, joint.a, diagonal);
+    add_product(j, j, joint.b, diagonal);
   }
   for (std::size_t p = 0; p < mechanism_.neighbours.size(); ++p) {
     auto [i, j] = mechanism_.neighbours[p];
     if (!matrix_.first_has_rows(p)) std::swap(i, j);
-    const Joint& one = mechanism_.joints[i];
-    const Joint& other = mechanism_.joints[j];
-    Matrix6& block = matrix_.pair(p);
-    const auto add = [&](std::size_t body, const Matrix6& weighted) {
-      if (body == world_body) return;
-      if (body == other.a) block.noalias() += weighted * rows_[j].of_a.transpose();
-      if (body == other.b) block.noalias() += weighted * rows_[j].of_b.transpose();
-    };
-    add(one.a, weighted_[i][0]);
-    add(one.b, weighted_[i][1]);
+    add_product(i, j, mechanism_.joints[i].a, matrix_.pair(p));
+    add_product(i, j, mechanism_.joints[i].b, matrix_.pair(p));
   }
   matrix_.factor(redundant_pivot);
 }
@@ -130,7 +152,7 @@ void Motion::accelerate(const State& state, const std::vector<Wrench>& forces) {
   solve_onto(acceleration_);
 }
 
-double Motion::step(const State& from, const std::vector<Wrench>& forces, double h, State& to) {
+JointErrors Motion::step(const State& from, Forces& forces, double h, State& to) {
   constexpr double at[] = {0, 0.5, 0.5, 1};
   constexpr double weight[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
   const std::size_t bodies = from.size();
@@ -153,7 +175,8 @@ double Motion::step(const State& from, const std::vector<Wrench>& forces, double
       here.twist.linear = start.twist.linear + c * acceleration_[i].linear;
       here.twist.angular = start.twist.angular + c * acceleration_[i].angular;
     }
-    accelerate(stage_, forces);
+    if (forces.renew) forces.renew(forces.start + c, stage_, forces.now);
+    accelerate(stage_, forces.now);
     if (s == 0) start_error = largest_error();
     const double part = weight[s] * h;
     for (std::size_t i = 0; i < bodies; ++i) {
@@ -166,49 +189,68 @@ double Motion::step(const State& from, const std::vector<Wrench>& forces, double
   std::swap(stage_lambda_, lambda_);
   std::swap(rows_of_stage_, rows_);
   for (BodyNow& body : to) body.pose.turn.normalize();
-  project(to, 1);
-  return start_error;
+  look(to);
+  if (!(largest_error() < small_correction)) factor();  // or the last stage's matrix, near enough, will do
+  return {start_error, finish(to).after};
 }
 
 double Motion::largest_error() const {
   double largest = 0;
-  for (const JointRows& rows : rows_) largest = std::max(largest, rows.error.cwiseAbs().maxCoeff());
+  for (const JointRows& rows : rows_) {
+    const double error = rows.error.cwiseAbs().maxCoeff();
+    if (error > largest || std::isnan(error)) largest = error;
+  }
   return largest;
 }
 
-void Motion::displace(const std::vector<Twist>& by, State& state) {
+double Motion::displace(const std::vector<Twist>& by, State& state) {
   for (std::size_t i = 0; i < state.size(); ++i) {
     state[i].pose.position += by[i].linear;
     turn_by(by[i].angular, state[i].pose.turn);
   }
-  project(state, 3);
+  return project(state).after;
 }
 
-double Motion::project(State& state, int most) {
-  double first = 0;
+JointErrors Motion::project(State& state) {
   look(state);
   factor();
-  for (int round = 0; round < most; ++round) {
-    const double largest = largest_error();
-    for (std::size_t j = 0; j < rows_.size(); ++j) lambda_[j] = rows_[j].error;
-    if (round == 0) first = largest;
-    if (round > 0 && largest < 1e-15) break;
-    for (Twist& twist : correction_) twist = {Vector3d::Zero(), Vector3d::Zero()};
-    solve_onto(correction_);
-    for (std::size_t i = 0; i < state.size(); ++i) {
-      state[i].pose.position += correction_[i].linear;
-      turn_by(correction_[i].angular, state[i].pose.turn);
-    }
-    if (round + 1 < most) {
-      look(state);
-      factor();
-    }
+  return finish(state);
+}
+
+/// Newton's method on the rows at hand, with the matrix at hand or, where that is not enough, newer ones.
+JointErrors Motion::finish(State& state) {
+  JointErrors errors{largest_error(), 0};
+  const bool small = errors.before < small_correction;
+  if (small) project_velocities(state);
+  // It at least halves the error a round or has failed: then the caller judges what is left.
+  for (double error = errors.before;;) {
+    correct(state);
+    if (error < small_correction && matrix_.left_out() == 0) break;
+    look(state);
+    errors.after = largest_error();
+    if (errors.after <= closed || !(errors.after < error / 2)) break;
+    error = errors.after;
+    factor();
   }
+  if (!small) project_velocities(state);
+  return errors;
+}
+
+void Motion::project_velocities(State& state) {
   for (std::size_t i = 0; i < state.size(); ++i) correction_[i] = state[i].twist;
   for (Vector6& lambda : lambda_) lambda.setZero();
   solve_onto(correction_);
   for (std::size_t i = 0; i < state.size(); ++i) state[i].twist = correction_[i];
-  return first;
+}
+
+void Motion::correct(State& state) {
+  for (std::size_t j = 0; j < rows_.size(); ++j) lambda_[j] = rows_[j].error;
+  for (Twist& twist : correction_) twist = {Vector3d::Zero(), Vector3d::Zero()};
+  solve_onto(correction_);
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    state[i].pose.position += correction_[i].linear;
+    turn_by(correction_[i].angular, state[i].pose.turn);
+  }
 }
 
 void Motion::respond(const std::vector<Wrench>& impulses, std::vector<Twist>& change) {

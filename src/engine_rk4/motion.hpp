@@ -7,6 +7,7 @@
 // the end of the step: the nearest state, weighted by mass, that keeps the joints (to the second order in what is
 // corrected, which is itself of fifth order in the step).
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "engine_rk4/block_ldl.hpp"
@@ -26,26 +27,40 @@ struct Rate {
   Twist twist;
 };
 
+/// On every body, gravity included. `renew`, if any, is asked for them at the time and the state of each stage.
+struct Forces {
+  std::vector<Wrench> now;
+  std::function<void(double t, const State& state, std::vector<Wrench>& now)> renew;
+  double start = 0;  // t of the state that a step starts from
+};
+
+/// Largest joint errors, m or rad.
+struct JointErrors {
+  double before;
+  double after;
+};
+
 class Motion {
  public:
   explicit Motion(Mechanism mechanism);
 
   const Mechanism& mechanism() const { return mechanism_; }
 
-  /// A state moved by h under constant forces (gravity included), joints kept. Returns the largest joint error that it
-  /// started from (m, rad).
-  double step(const State& from, const std::vector<Wrench>& forces, double h, State& to);
+  /// A state moved by h, joints kept. Errors: of the state that it started from, and of the one it came to.
+  JointErrors step(const State& from, Forces& forces, double h, State& to);
 
-  /// Moves poses onto the joints until the corrections are of rounding size, at most `most` times, then velocities.
-  /// Returns the largest joint error found at first (m, rad).
-  double project(State& state, int most);
+  /// Moves poses onto the joints, then velocities. Errors: as found, and what could not be mended.
+  JointErrors project(State& state);
 
   /// The change of all velocities that impulses (N s, N m s) on bodies make, joints kept, at the pose of the last
-  /// `project` or `step`.
+  /// `project` or `displace`.
   void respond(const std::vector<Wrench>& impulses, std::vector<Twist>& change);
 
-  /// Moves poses by small displacements (m, rad), then keeps the joints.
-  void displace(const std::vector<Twist>& by, State& state);
+  /// Moves poses by displacements (m, rad), then projects. Returns the joint error that could not be mended.
+  double displace(const std::vector<Twist>& by, State& state);
+
+  /// Does a joint's equation repeat what others say? Such ones are left out.
+  bool redundant() const { return matrix_.left_out() > 0; }
 
   /// Of a joint on its first and on its second body: J' lambda in N and N m about the body's centre, as the last
   /// stage of the last step had it.
@@ -57,7 +72,11 @@ class Motion {
   void look(const State& state);  // rotation matrices, inertias, rows
   double largest_error() const;   // of the rows, m or rad
   void factor();                  // the matrix of the rows
+  void add_product(std::size_t i, std::size_t j, std::size_t body, Matrix6& block) const;
   void accelerate(const State& state, const std::vector<Wrench>& forces);
+  JointErrors finish(State& state);
+  void project_velocities(State& state);
+  void correct(State& state);                   // poses, once, by the errors of the rows
   void solve_onto(std::vector<Twist>& twists);  // twists -= M^-1 J' A^-1 (J twists + right-hand side in lambda_)
 
   Mechanism mechanism_;

@@ -27,5 +27,10 @@ Section feedback_term(Laboratory& laboratory, Findings& findings);
 Section free_box(Laboratory& laboratory, Findings& findings);
 Section thin_body(Laboratory& laboratory, Findings& findings);
 Section remedy(Laboratory& laboratory, Findings& findings);
+Section chain(Laboratory& laboratory, Findings& findings);
+Section quickstep_chain(Laboratory& laboratory, Findings& findings);
+Section error_sources(Laboratory& laboratory, Findings& findings);
+Section iftomm(Laboratory& laboratory, Findings& findings);
+Section potra(Laboratory& laboratory, Findings& findings);
 
 }  // namespace odeval::experiments

@@ -58,12 +58,12 @@ std::vector<Path> centres(const Scenario& scenario, const Trace& trace) {
         paths[i].up[k] = dot(from_hinge, frame.up);
         continue;
       }
-      const double half = scenario.links[i].length_m / 2;
+      const Link& link = scenario.links[i];
       angle += trace.q[i][k];
-      paths[i].across[k] = across + half * std::cos(angle);
-      paths[i].up[k] = up + half * std::sin(angle);
-      across += 2 * half * std::cos(angle);
-      up += 2 * half * std::sin(angle);
+      paths[i].across[k] = across + link.centre_m() * std::cos(angle);
+      paths[i].up[k] = up + link.centre_m() * std::sin(angle);
+      across += link.length_m * std::cos(angle);
+      up += link.length_m * std::sin(angle);
     }
   }
   return paths;

@@ -15,6 +15,7 @@ constexpr std::array table{
     Experiment{"wall-pendulum", "A link against a wall", wall_pendulum},
     Experiment{"contact-delay", "Does ODE see the wall late?", contact_delay},
     Experiment{"quickstep", "What QuickStep loses", quickstep},
+    Experiment{"quickstep-chain", "QuickStep on a long chain", quickstep_chain},
     Experiment{"half-step", "Half a step: what ODE's first-order error is", half_step},
     Experiment{"half-step-erp", "The best ERP", half_step_erp},
     Experiment{"half-step-energy", "Energy alone does not tell", half_step_energy},
@@ -23,10 +24,14 @@ constexpr std::array table{
     Experiment{"dh", "A toolbox's equations and the hand-derived ones", denavit_hartenberg},
     Experiment{"single-pendulum", "Was the double pendulum a good choice?", single_pendulum},
     Experiment{"coordinates", "Cartesian or generalized coordinates?", coordinates},
+    Experiment{"chain", "More links: error, conditioning and cost", chain},
+    Experiment{"error-sources", "Where the error comes from", error_sources},
     Experiment{"feedback-term", "What the feedback term keeps together", feedback_term},
     Experiment{"free-box", "A free box: Gazebo's boxes benchmark", free_box},
     Experiment{"thin-body", "Long thin bodies and their long axis", thin_body},
     Experiment{"remedy", "A fourth-order step beside ODE's collision detection", remedy},
+    Experiment{"iftomm", "The pendulum of the IFToMM benchmark", iftomm},
+    Experiment{"potra", "Two points against a wall (Potra et al. 2006)", potra},
 };
 // clang-format on
 

@@ -44,10 +44,11 @@ class LinkMeter {
         third_body_(cross(frame.along_body, frame.across_body)),
         mass_(link.mass_kg),
         weight_(link.mass_kg * gravity),
-        half_length_(link.length_m / 2),
-        inertia_along_(moment(link, link.width_m, link.depth_m)),
-        inertia_across_(moment(link, link.length_m, link.depth_m)),
-        inertia_hinge_(moment(link, link.length_m, link.width_m)) {}
+        to_near_(link.centre_m()),
+        to_far_(link.beyond_centre_m()),
+        inertia_along_(link.inertia_along_kgm2()),
+        inertia_across_(link.inertia_across_kgm2()),
+        inertia_hinge_(link.inertia_kgm2()) {}
 
   LinkState operator()(const BodyState& body) const {
     const Vec3 x = vec(body.position);
@@ -67,21 +68,19 @@ class LinkMeter {
     state.potential = weight_ * from_hinge[2];
     state.out_of_plane = std::fabs(dot(from_hinge, axis_));
     state.long_axis_spin = w_along;
-    state.near_end = shifted(x, -half_length_, along);
-    state.far_end = shifted(x, half_length_, along);
+    state.near_end = shifted(x, -to_near_, along);
+    state.far_end = shifted(x, to_far_, along);
     return state;
   }
 
  private:
-  // Of a box about an axis through its centre; a and b are its sides across the axis.
-  static double moment(const Link& link, double a, double b) { return link.mass_kg * (a * a + b * b) / 12; }
-
   const PlanarFrame& frame_;
   Vec3 axis_;
   Vec3 third_body_;
   double mass_;
   double weight_;
-  double half_length_;
+  double to_near_;
+  double to_far_;
   double inertia_along_;
   double inertia_across_;
   double inertia_hinge_;

@@ -55,6 +55,45 @@ Norms norms_of(const Eigen::Matrix<double, Block, Block>& a, const Eigen::Matrix
                    (columns(corner) + columns(schur_inverse)).maxCoeff())};
 }
 
+/// Of a symmetric positive definite matrix with blocks on and beside its diagonal, `beside[i]` at (i, i + 1). With
+/// A = L D L^T, D and L of blocks, each block column of A^-1 is a sweep down and one up: n^2 products of blocks in all.
+template <int Block>
+Norms norms_of_bands(const std::vector<Eigen::Matrix<double, Block, Block>>& diagonal,
+                     const std::vector<Eigen::Matrix<double, Block, Block>>& beside) {
+  using Matrix = Eigen::Matrix<double, Block, Block>;
+  using Sums = Eigen::Matrix<double, 1, Block>;
+  const auto sums = [](const Matrix& matrix) -> Sums { return matrix.cwiseAbs().colwise().sum(); };
+  const std::size_t n = diagonal.size();
+  std::vector<Matrix> inverse;  // of D's blocks
+  std::vector<Matrix> lower;    // L_(i+1, i)
+  Norms norms{0, 0};
+  for (std::size_t i = 0; i < n; ++i) {
+    Sums column = sums(diagonal[i]);
+    if (i > 0) column += sums(beside[i - 1]);
+    if (i + 1 < n) column += sums(beside[i].transpose());
+    norms.matrix = std::max(norms.matrix, column.maxCoeff());
+    Matrix pivot = diagonal[i];
+    if (i > 0) pivot -= lower[i - 1] * beside[i - 1];
+    inverse.push_back(pivot.inverse());
+    if (i + 1 < n) lower.push_back(beside[i].transpose() * inverse[i]);
+  }
+  std::vector<Matrix> below(n);
+  for (std::size_t j = 0; j < n; ++j) {
+    below[j].setIdentity();
+    for (std::size_t k = j + 1; k < n; ++k) below[k] = -lower[k - 1] * below[k - 1];
+    Sums column = Sums::Zero();
+    Matrix entry = Matrix::Zero();
+    for (std::size_t k = n; k-- > 0;) {
+      Matrix next = k >= j ? Matrix(inverse[k] * below[k]) : Matrix(Matrix::Zero());
+      if (k + 1 < n) next -= lower[k].transpose() * entry;
+      entry = next;
+      column += sums(entry);
+    }
+    norms.inverse = std::max(norms.inverse, column.maxCoeff());
+  }
+  return norms;
+}
+
 /// Of a block diagonal matrix.
 Norms together(const Norms& a, const Norms& b) {
   return {std::max(a.matrix, b.matrix), std::max(a.inverse, b.inverse)};
@@ -105,14 +144,11 @@ Vector3d vector(const Vec3& v) { return {v[0], v[1], v[2]}; }
 struct InverseInertia {
   explicit InverseInertia(const Link& link)
       : mass(1 / link.mass_kg),
-        along(1 / moment(link, link.width_m, link.depth_m)),
-        across(1 / moment(link, link.length_m, link.depth_m)),
+        along(1 / link.inertia_along_kgm2()),
+        across(1 / link.inertia_across_kgm2()),
         hinge(1 / link.inertia_kgm2()) {}
 
   double mass, along, across, hinge;
-
- private:
-  static double moment(const Link& link, double a, double b) { return link.mass_kg * (a * a + b * b) / 12; }
 };
 
 /// J M^-1 J^T of n hinges in a row, plus the regularisation on the diagonal: what a body adds to the rows of its near
@@ -120,26 +156,24 @@ struct InverseInertia {
 template <int Block, class BodyBlock>
 Norms chain_norms(std::size_t links, const std::vector<Link>& link, double regularisation, const BodyBlock& block) {
   using Matrix = Eigen::Matrix<double, Block, Block>;
-  const auto half = [&link](std::size_t i) { return link[i].length_m / 2; };
+  const auto near = [&link](std::size_t i) { return -link[i].centre_m(); };
+  const auto far = [&link](std::size_t i) { return link[i].beyond_centre_m(); };
   const auto own = [&](std::size_t i) -> Matrix {
-    Matrix sum = block(i, -half(i), -half(i));
-    if (i > 0) sum += block(i - 1, half(i - 1), half(i - 1));
+    Matrix sum = block(i, near(i), near(i));
+    if (i > 0) sum += block(i - 1, far(i - 1), far(i - 1));
     sum.diagonal().array() += regularisation;
     return sum;
   };
-  const auto coupling = [&](std::size_t i) -> Matrix { return -block(i, -half(i), half(i)); };
+  const auto coupling = [&](std::size_t i) -> Matrix { return -block(i, near(i), far(i)); };
   if (links == 1) return norms_of<Block>(own(0));
   if (links == 2) return norms_of<Block>(own(0), coupling(0), own(1));
-  const auto rows = static_cast<Eigen::Index>(links) * Block;
-  Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(rows, rows);
+  std::vector<Matrix> diagonal;
+  std::vector<Matrix> beside;
   for (std::size_t i = 0; i < links; ++i) {
-    const auto at = static_cast<Eigen::Index>(i) * Block;
-    whole.block<Block, Block>(at, at) = own(i);
-    if (i + 1 == links) break;
-    whole.block<Block, Block>(at, at + Block) = coupling(i);
-    whole.block<Block, Block>(at + Block, at) = coupling(i).transpose();
+    diagonal.push_back(own(i));
+    if (i + 1 < links) beside.push_back(coupling(i));
   }
-  return norms_of<Dynamic>(whole);
+  return norms_of_bands<Block>(diagonal, beside);
 }
 
 /// The hinges' system matrix at the recorded poses.
@@ -259,8 +293,8 @@ class HingeSystem {
           rows.block<1, 3>(3 + d, 3) = sign * pq[static_cast<std::size_t>(d)].transpose();
         }
       };
-      attach(i, 1, -links_[link].length_m / 2);
-      if (i > 0) attach(i - 1, -1, links_[link - 1].length_m / 2);
+      attach(i, 1, -links_[link].centre_m());
+      if (i > 0) attach(i - 1, -1, links_[link - 1].beyond_centre_m());
     }
     Eigen::MatrixXd system = jacobian * inverse_mass * jacobian.transpose();
     system.diagonal().array() += regularisation_;

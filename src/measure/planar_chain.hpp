@@ -31,7 +31,7 @@ class PlanarChain {
         direction = {std::cos(angle), std::sin(angle)};
       }
       const double length = links_[i].length_m;
-      centres_[i] = moved(hinges_[i], length / 2, direction);
+      centres_[i] = moved(hinges_[i], links_[i].centre_m(), direction);
       hinges_[i + 1] = moved(hinges_[i], length, direction);
     }
   }

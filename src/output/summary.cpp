@@ -25,7 +25,9 @@ Json json_of(const std::vector<double>& numbers) {
 }
 
 Json json_of(const Link& link) {
-  return {{"mass", link.mass_kg}, {"length", link.length_m}, {"width", link.width_m}, {"depth", link.depth_m}};
+  Json json = {{"mass", link.mass_kg}, {"length", link.length_m}, {"width", link.width_m}, {"depth", link.depth_m}};
+  if (link.shape == Shape::sphere) json["shape"] = "sphere";
+  return json;
 }
 
 Json json_of(const Vec3& vector) { return json_of(std::vector<double>(vector.begin(), vector.end())); }
@@ -42,12 +44,14 @@ Json json_of(const Body& body) {
 }
 
 Json json_of(const Impact& impact) {
-  return {{"t", json_number(impact.t)},
-          {"q1", json_number(impact.q1)},
-          {"qd_before", json_number(impact.qd_before)},
-          {"qd_after", json_number(impact.qd_after)},
-          {"restitution", json_of(restitution(impact))},
-          {"depth", json_number(impact.depth)}};
+  Json json = {{"t", json_number(impact.t)},
+               {"q1", json_number(impact.q1)},
+               {"qd_before", json_number(impact.qd_before)},
+               {"qd_after", json_number(impact.qd_after)},
+               {"restitution", json_of(restitution(impact))},
+               {"depth", json_number(impact.depth)}};
+  if (impact.link) json["link"] = *impact.link;
+  return json;
 }
 
 Json ode_settings(const Scenario& scenario) {
@@ -75,6 +79,7 @@ Json settings(const RunSummary& run) {
   }
   if (run.rtol) json["rtol"] = *run.rtol;
   if (run.atol) json["atol"] = *run.atol;
+  if (scenario.n) json["n"] = *scenario.n;
   for (const Link& link : scenario.links) json["links"].push_back(json_of(link));
   for (const Body& body : scenario.bodies) json["bodies"].push_back(json_of(body));
   if (scenario.ground) {

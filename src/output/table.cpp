@@ -115,16 +115,21 @@ std::string summary_table(const std::vector<RunSummary>& runs, std::span<const d
 
 std::string impacts_table(const std::vector<RunSummary>& runs, const std::vector<Impact>& reference, std::size_t most) {
   const bool bodies = runs.front().scenario.family() == Family::bodies;
-  TextTable table("lrrrrrrrr", {"method", "impact", "t, s", bodies ? "height, m" : "q1, rad",
-                                bodies ? "rate before, m/s" : "rate before, rad/s", "after", "restitution", "depth, m",
-                                "later than the reference, s"});
+  const auto of_ball = [](const RunSummary& run) {
+    return std::ranges::any_of(run.outcome.impacts, [](const Impact& impact) { return impact.link.has_value(); });
+  };
+  const bool balls = std::ranges::any_of(runs, of_ball);
+  TextTable table("lrrrrrrrr", {"method", balls ? "impact of link" : "impact", "t, s", bodies ? "height, m" : "q1, rad",
+                                bodies || balls ? "velocity before, m/s" : "rate before, rad/s", "after", "restitution",
+                                "depth, m", "later than the reference, s"});
   for (const RunSummary& run : runs) {
     const std::vector<Impact>& impacts = run.outcome.impacts;
     for (std::size_t i = 0; i < std::min(impacts.size(), most); ++i) {
       const Impact& impact = impacts[i];
-      table.add({run.method, std::to_string(i + 1), fmt::format("{:.6g}", impact.t), fmt::format("{:.6g}", impact.q1),
-                 three_digits(impact.qd_before), three_digits(impact.qd_after), three_digits(restitution(impact)),
-                 three_digits(impact.depth),
+      const std::string number = std::to_string(i + 1);
+      table.add({run.method, impact.link ? fmt::format("{} of {}", number, *impact.link) : number,
+                 fmt::format("{:.6g}", impact.t), fmt::format("{:.6g}", impact.q1), three_digits(impact.qd_before),
+                 three_digits(impact.qd_after), three_digits(restitution(impact)), three_digits(impact.depth),
                  i < reference.size() ? fmt::format("{:+.3g}", impact.t - reference[i].t) : "-"});
     }
     if (impacts.size() > most) table.add({run.method, fmt::format("... {} in all", impacts.size())});

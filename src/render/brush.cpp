@@ -111,6 +111,43 @@ void Brush::cylinder(Layer& layer, const Vec3& centre, const Vec3& axis, double 
   }
 }
 
+void Brush::sphere(Layer& layer, const LinkPose& pose, double radius, const Colour& colour, double edge_px) const {
+  constexpr int rings = sides / 2;
+  const auto outward = [&](int ring, int spoke) {
+    const double down = std::numbers::pi * ring / rings;
+    const double around = 2 * std::numbers::pi * spoke / sides;
+    return std::cos(down) * pose.along +
+           std::sin(down) * (std::cos(around) * pose.across + std::sin(around) * pose.hinge);
+  };
+  for (int ring = 0; ring < rings; ++ring) {
+    for (int spoke = 0; spoke < sides; ++spoke) {
+      const std::array<Vec3, 4> normals{outward(ring, spoke), outward(ring + 1, spoke), outward(ring + 1, spoke + 1),
+                                        outward(ring, spoke + 1)};
+      std::array<Vec3, 4> corners;
+      std::array<Colour, 4> colours;
+      for (std::size_t k = 0; k < 4; ++k) {
+        corners[k] = pose.centre_m + radius * normals[k];
+        colours[k] = lit(colour, corners[k], normals[k]);
+      }
+      add_quad(layer, corners, colours);
+    }
+  }
+  if (edge_px > 0) circles(layer, pose, radius, darker(colour, edge_shade), edge_px);
+}
+
+void Brush::circles(Layer& layer, const LinkPose& pose, double radius, const Colour& colour, double edge_px) const {
+  const auto circle = [&](const Vec3& u, const Vec3& v) {
+    const auto at = [&](int k) {
+      const double angle = 2 * std::numbers::pi * k / sides;
+      return pose.centre_m + radius * (std::cos(angle) * u + std::sin(angle) * v);
+    };
+    for (int k = 0; k < sides; ++k) line(layer, at(k), at(k + 1), edge_px, colour, colour);
+  };
+  circle(pose.along, pose.across);
+  circle(pose.across, pose.hinge);
+  circle(pose.hinge, pose.along);
+}
+
 void Brush::line(Layer& layer, const Vec3& from, const Vec3& to, double px, const Colour& from_colour,
                  const Colour& to_colour) const {
   const Vec3& eye = camera_.eye();

@@ -44,6 +44,12 @@ class Brush {
   void cylinder(Layer& layer, const Vec3& centre, const Vec3& axis, double radius, double half_length,
                 const Colour& colour, double edge_px) const;
 
+  /// A sphere with three great circles, which lie in the planes of its pose's directions and show how it turns.
+  void sphere(Layer& layer, const LinkPose& pose, double radius, const Colour& colour, double edge_px) const;
+
+  /// The three circles alone, in the given colour.
+  void circles(Layer& layer, const LinkPose& pose, double radius, const Colour& colour, double edge_px) const;
+
   /// A straight line, `px` wide whatever its distance, a hair nearer to the eye than what it lies on.
   void line(Layer& layer, const Vec3& from, const Vec3& to, double px, const Colour& from_colour,
             const Colour& to_colour) const;

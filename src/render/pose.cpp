@@ -18,7 +18,7 @@ Pose from_bodies(const PlanarFrame& frame, const Trace& trace, std::size_t row) 
     pose.push_back({{body.position[0][row], body.position[1][row], body.position[2][row]},
                     turned(frame.along_body),
                     turned(frame.across_body),
-                    turned(frame.hinge_axis)});  // the links turn about it, so it is the same in body and world frame
+                    turned(frame.hinge_axis)});  // links turn about it, so it is the same in body and world frame
   }
   return pose;
 }
@@ -31,9 +31,9 @@ Pose from_angles(const Scenario& scenario, const Trace& trace, std::size_t row) 
   for (std::size_t i = 0; i < scenario.links.size(); ++i) {
     angle += trace.q[i][row];
     const Vec3 along = std::cos(angle) * frame.horizontal + std::sin(angle) * frame.up;
-    const Vec3 half = (scenario.links[i].length_m / 2) * along;
-    pose.push_back({near + half, along, cross(frame.axis(), along), frame.hinge_axis});
-    near = near + 2 * half;
+    const Link& link = scenario.links[i];
+    pose.push_back({near + link.centre_m() * along, along, cross(frame.axis(), along), frame.hinge_axis});
+    near = near + link.length_m * along;
   }
   return pose;
 }

@@ -90,9 +90,9 @@ std::vector<Panel> sheet_panels(std::size_t shots, int width, int height) {
   return panels;
 }
 
-Studio::Studio(const Scenario& scenario, const View& view, int width, int height, const std::filesystem::path& font)
-    : stage_(scenario),
-      frame_(scenario.problem->frame),
+Studio::Studio(const Scenario& scenario, const View& view, int width, int height, const std::filesystem::path& font,
+               std::span<const Pose> shown)
+    : stage_(make_stage(scenario, shown)),
       view_(view),
       width_(width),
       height_(height),
@@ -102,10 +102,10 @@ Studio::Studio(const Scenario& scenario, const View& view, int width, int height
 
 Image Studio::scene(const Shot& shot, int width, int height) {
   const Camera camera = this->camera(width, height);
-  return painter_->paint(stage_.layers(camera, shot.pose, shot.outline ? &*shot.outline : nullptr), camera);
+  return painter_->paint(stage_->layers(camera, shot.pose, shot.outline ? &*shot.outline : nullptr), camera);
 }
 
-bool Studio::shows(const Pose& pose) const { return stage_.inside(camera(width_, height_ - strip_), pose); }
+bool Studio::shows(const Pose& pose) const { return stage_->inside(camera(width_, height_ - strip_), pose); }
 
 Image Studio::picture(const Shot& shot, const Caption& caption) {
   Image image(width_, height_);

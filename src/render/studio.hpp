@@ -39,9 +39,11 @@ std::vector<Panel> sheet_panels(std::size_t shots, int width, int height);
 class Studio {
  public:
   /// Throws MachineError without a font or an OpenGL context. Sizes from `least_size` to `largest_size`.
-  Studio(const Scenario& scenario, const View& view, int width, int height, const std::filesystem::path& font);
+  /// `shown` are the poses of a bodies' scenario that pictures will hold, or poses near them.
+  Studio(const Scenario& scenario, const View& view, int width, int height, const std::filesystem::path& font,
+         std::span<const Pose> shown = {});
 
-  /// Whether a picture holds all of the links.
+  /// Whether a picture holds all of the links or bodies.
   bool shows(const Pose& pose) const;
 
   Image picture(const Shot& shot, const Caption& caption);
@@ -56,14 +58,13 @@ class Studio {
   Tile above_caption() const { return {0, 0, width_, height_ - strip_}; }
 
   /// How a scene of that size is seen.
-  Camera camera(int width, int height) const { return {frame_, view_, stage_.extent(), width, height}; }
+  Camera camera(int width, int height) const { return {stage_->frame(), view_, stage_->extent(), width, height}; }
 
  private:
   Image scene(const Shot& shot, int width, int height);
   void write_caption(Image& image, const Caption& caption) const;
 
-  Stage stage_;
-  PlanarFrame frame_;
+  std::unique_ptr<Stage> stage_;
   View view_;
   int width_;
   int height_;

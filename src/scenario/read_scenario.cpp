@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "odeval/error.hpp"
@@ -56,7 +57,12 @@ class Reader {
     for (const SectionRow& section : section_table()) {
       if (const toml::node* node = tree.get(section.name)) read_section(section, *node);
     }
-    make_thin();
+    if (scenario_.family() == Family::pendulum) {
+      settle_chain(tree);
+      settle_depths(tree);
+    } else {
+      make_thin();
+    }
     check_against_problem(tree);
     check_tolerances();
     check_grid();
@@ -233,6 +239,50 @@ class Reader {
     return value;
   }
 
+  // One table stands for all links of a chain, and angles that are not named are 0.
+  void settle_chain(const toml::table& tree) {
+    const Problem& problem = *scenario_.problem;
+    std::vector<Link>& links = scenario_.links;
+    if (problem.links != 0) {
+      if (scenario_.n) fail("n", shown(*tree.get("n")), fmt::format("has no meaning for {}; remove it", problem.name));
+      return;
+    }
+    const auto most = static_cast<std::size_t>(row_named("", "n")->greatest);
+    const auto n = static_cast<std::size_t>(scenario_.n.value_or(static_cast<int>(std::min(links.size(), most))));
+    if (links.empty() || links.size() > most) {
+      fail("links", fmt::format("{} tables", links.size()), fmt::format("must be 1 to {} tables [[links]]", most));
+    }
+    if (links.size() == 1) links.resize(n, links.front());
+    if (links.size() != n) {
+      fail("links", fmt::format("{} tables", links.size()),
+           fmt::format("must be one table [[links]] or n = {} of them", n));
+    }
+    for (const auto& [name, column] : {std::pair{"q0", &scenario_.q0}, std::pair{"qd0", &scenario_.qd0}}) {
+      if (column->size() > n) {
+        fail(name, shown(*tree.get(name)), fmt::format("must be a list of at most n = {} numbers", n));
+      }
+      column->resize(n, 0.0);
+    }
+    scenario_.n = static_cast<int>(n);
+  }
+
+  void settle_depths(const toml::table& tree) {
+    const toml::array& tables = tree.contains("links") ? *tree.get("links")->as_array() : toml::array{};
+    for (std::size_t i = 0; i < scenario_.links.size(); ++i) {
+      Link& link = scenario_.links[i];
+      const std::string path = fmt::format("links.{}.depth", std::min(i, tables.size() - 1));
+      const bool given = link.depth_m != 0;  // a value is never 0
+      if (link.shape == Shape::box && !given) {
+        fail(path, "", fmt::format("is missing; it {}", rule_of(*row_named("links", "depth"), names_)));
+      }
+      if (link.shape == Shape::box) continue;
+      if (given && link.depth_m != link.width_m) {
+        fail(path, fmt::format("{}", link.depth_m), "must be left out or be the width: the link is a ball");
+      }
+      link.depth_m = link.width_m;
+    }
+  }
+
   void check_against_problem(const toml::table& tree) const {
     const Problem& problem = *scenario_.problem;
     if (problem.family == Family::pendulum) {
@@ -246,7 +296,10 @@ class Reader {
       }
       if (!needed) refuse(tree, section);
     }
-    if (problem.wall) check_clear_of_wall();
+    if (problem.wall) {
+      check_shapes_at_wall();
+      check_clear_of_wall();
+    }
   }
 
   /// A key that another kind of problem has.
@@ -257,7 +310,7 @@ class Reader {
 
   void check_pendulum(const toml::table& tree) const {
     const Problem& problem = *scenario_.problem;
-    const auto count = static_cast<std::size_t>(problem.links);
+    const std::size_t count = problem.links == 0 ? scenario_.links.size() : static_cast<std::size_t>(problem.links);
     refuse(tree, "bodies");
     if (scenario_.links.size() != count) {
       fail("links", fmt::format("{} tables", scenario_.links.size()),
@@ -286,12 +339,35 @@ class Reader {
     }
   }
 
-  // The corner of the box nearest the wall, which fills x <= face.
+  // What the references' outlines are.
+  void check_shapes_at_wall() const {
+    const Shape shape = scenario_.links.size() == 1 ? Shape::box : Shape::sphere;
+    for (std::size_t i = 0; i < scenario_.links.size(); ++i) {
+      if (scenario_.links[i].shape == shape) continue;
+      fail(fmt::format("links.{}.shape", i), "",
+           fmt::format("must be {} for {}", shape == Shape::box ? "box" : "sphere", scenario_.problem->name));
+    }
+  }
+
+  // The corner of the box, or the side of the balls, that is nearest the wall, which fills x <= face.
+  double least_x() const {
+    double x = scenario_.problem->frame.hinge_m[0];
+    double least = std::numeric_limits<double>::infinity();
+    double angle = 0;
+    for (std::size_t i = 0; i < scenario_.links.size(); ++i) {
+      const Link& link = scenario_.links[i];
+      angle += scenario_.q0[i];
+      const double end = x + link.length_m * std::cos(angle);
+      const bool box = link.shape == Shape::box;
+      least = std::fmin(
+          least, box ? std::fmin(x, end) - link.width_m / 2 * std::fabs(std::sin(angle)) : end - link.width_m / 2);
+      x = end;
+    }
+    return least;
+  }
+
   void check_clear_of_wall() const {
-    const Link& link = scenario_.links[0];
-    const double q = scenario_.q0[0];
-    const double least_x = scenario_.problem->frame.hinge_m[0] + std::fmin(0.0, link.length_m * std::cos(q)) -
-                           link.width_m / 2 * std::fabs(std::sin(q));
+    const double least_x = this->least_x();
     if (scenario_.wall->face_m > least_x) {
       const Override* setting = setting_of("wall.face");
       for (const char* path : {"q0", "links.0.length", "links.0.width"}) {

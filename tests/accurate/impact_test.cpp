@@ -74,18 +74,107 @@ void check_rest() {
   if (touches.empty()) return;
   // The bounces below the speed of rest (1 mm/s) that are left out last 2 v / g / (1 - e) together.
   CHECK_BETWEEN(touches.back().t, ends - 4 * 1e-3 / g / (1 - e) - h, ends + h);
+  constexpr double rest_depth = 1e-9;  // what rests lies that deep
   for (int k = 0; k < 500; ++k) {
     step(h);
-    CHECK_NEAR(dBodyGetPosition(ball)[2], radius, 1e-11);
+    CHECK_NEAR(dBodyGetPosition(ball)[2], radius - rest_depth, 1e-11);
     CHECK_EQUAL(dBodyGetLinearVel(ball)[2], 0.0);
   }
   // Pulled away, it goes; thrown down, it bounces.
   dBodySetLinearVel(ball, 0, 0, 2);
   step(h);
-  CHECK_NEAR(dBodyGetPosition(ball)[2], radius + 2 * h - g * h * h / 2, 1e-11);
+  CHECK_NEAR(dBodyGetPosition(ball)[2], radius - rest_depth + 2 * h - g * h * h / 2, 1e-11);
   const auto again = run(step, 0.6, h);
   CHECK(!again.empty());
-  if (!again.empty()) CHECK_NEAR(again.front().touch.approach, 2, 1e-9);
+  // The start's depth of 1e-9 m is g 1e-9 / v slower.
+  if (!again.empty()) CHECK_NEAR(again.front().touch.approach, 2, 1e-8);
+}
+
+/// Largest overlap of any two geoms, by ODE.
+double overlap(const World& world) {
+  double deepest = 0;
+  dSpaceCollide(world.space, &deepest, [](void* data, dGeomID one, dGeomID other) {
+    const dBodyID a = dGeomGetBody(one), b = dGeomGetBody(other);
+    if (a != nullptr && b != nullptr && dAreConnected(a, b) != 0) return;
+    dContactGeom found[16];
+    const int count = dCollide(one, other, 16, found, sizeof(dContactGeom));
+    double& most = *static_cast<double*>(data);
+    for (int i = 0; i < count; ++i) most = std::max(most, found[i].depth);
+  });
+  return deepest;
+}
+
+/// Links on hinges along x, the first one on the world when `anchored`.
+void lay_chain(World& world, int links, double height, bool anchored) {
+  dBodyID before = nullptr;
+  for (int i = 0; i < links; ++i) {
+    const dBodyID link = world.box(1, {0.4, 0.1, 0.1}, {0.2 + 0.4 * i, 0, height});
+    if (i > 0 || anchored) world.hinge(link, before, {0.4 * i, 0, height}, {0, 1, 0});
+    before = link;
+  }
+}
+
+/// Mechanisms and stacks come to rest and then lie still: no touch is told, nothing moves, nothing sinks.
+void check_rest_of_many() {
+  const auto lies = [](const char* what, const auto& build) {
+    World world;
+    build(world);
+    dCreatePlane(world.space, 0, 0, 1, 0);
+    AccurateStep step(world.id, world.space, bouncing(0.5));
+    const auto settling = run(step, 1.5, 1e-3);
+    std::vector<Vector3d> places;
+    for (const dBodyID body : world.bodies) places.push_back(vec(dBodyGetPosition(body)));
+    const auto touches = run(step, 0.5, 1e-3);
+    CHECK(touches.empty());
+    double moved = 0;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      moved = std::max(moved, (vec(dBodyGetPosition(world.bodies[i])) - places[i]).norm());
+    }
+    const double deep = overlap(world);
+    std::printf("%-20s %zu touches, then none; moved %.2g m in 0.5 s, overlap %.2g m\n", what, settling.size(), moved,
+                deep);
+    CHECK_BETWEEN(moved, 0, 1e-8);   // of the rest depth, 1e-9 m: neighbours lean on each other
+    CHECK_BETWEEN(deep, 0, 2.1e-9);  // twice the rest depth is not pushed
+  };
+  lies("arm of 2", [](World& world) { lay_chain(world, 2, 0.055, true); });
+  lies("arm of 3", [](World& world) { lay_chain(world, 3, 0.055, true); });
+  lies("arm of 4", [](World& world) { lay_chain(world, 4, 0.055, true); });
+  lies("fallen chain of 3", [](World& world) { lay_chain(world, 3, 0.3, false); });
+  lies("stack of 4", [](World& world) {
+    for (int i = 0; i < 4; ++i) world.box(1, {0.2, 0.2, 0.2}, {0, 0, 0.11 + 0.21 * i});
+  });
+}
+
+/// A box that stands on an edge and tips over: the edge rests all the while, and the other one strikes.
+void check_tipping() {
+  constexpr double half = 0.2, high = 0.05, tilt = 0.3, e = 0.5;
+  World world;
+  const Quaterniond turn(Eigen::AngleAxisd(-tilt, Vector3d::UnitY()));  // the end at +x is up
+  const Vector3d edge(-half, 0, -high);
+  const dBodyID box = world.box(2, {2 * half, 0.3, 2 * high}, -(turn * edge), turn);
+  dCreatePlane(world.space, 0, 0, 1, 0);
+  AccurateStep step(world.id, world.space, bouncing(e));
+  const double energy = world.energy();
+  bool struck = false;
+  for (int k = 0; k < 1000 && !struck; ++k) {
+    step(1e-3);
+    for (const Touch& touch : step.touches()) {
+      if (touch.approach < 0.1) continue;  // the edge, laid down without speed
+      struck = true;
+      CHECK_EQUAL(touch.contacts, std::size_t{2});
+      CHECK_NEAR(touch.departure, e * touch.approach, 1e-12);
+      // Frictionless: the centre falls straight down, so energy gives the speed of the far edge, v = w 2 half.
+      const double fallen = half * std::sin(tilt) - high * (1 - std::cos(tilt));
+      const double w = touch.approach / (2 * half);
+      const double inertia = World::inertia(box)(1, 1) + World::mass(box) * half * half;
+      const double kinetic = inertia * w * w / 2;
+      const double potential = World::mass(box) * g * fallen;
+      std::printf("tipped over: energy %.4f of what was there\n", kinetic / potential);
+      CHECK_BETWEEN(kinetic / potential, 0.998, 1.002);  // rest is first order: 1.0001 measured
+    }
+  }
+  CHECK(struck);
+  CHECK(world.energy() < energy);
 }
 
 /// A box that falls flat: four corners at once share one impulse, and it stays level.
@@ -189,6 +278,8 @@ int main() {
   check_ball(1e-3);
   check_ball(0.05);
   check_rest();
+  check_rest_of_many();
+  check_tipping();
   check_flat_box();
   check_two_balls();
   check_chain_hits();

@@ -1,4 +1,5 @@
 // What the accurate step does not do, and worlds it can not start from: a clear error, and nothing changed.
+#include <cstdio>
 #include <cstring>
 #include <functional>
 #include <limits>
@@ -122,6 +123,250 @@ void check_start_gaps() {
   CHECK_NEAR((vec(anchor) - vec(anchor2)).norm(), 0, 1e-14);
 }
 
+odeval::AccurateStepOptions plastic() {
+  AccurateStepOptions options;
+  options.contact = [](dxGeom*, dxGeom*) { return std::optional(Bounce{}); };
+  return options;
+}
+
+/// Largest distance between the two anchors of the pendulum's hinges.
+double gap(const Pendulum& world) {
+  double largest = 0;
+  for (const dJointID joint : {world.first, world.second}) {
+    dVector3 one, two;
+    dJointGetHingeAnchor(joint, one);
+    dJointGetHingeAnchor2(joint, two);
+    largest = std::max(largest, (vec(one) - vec(two)).norm());
+  }
+  return largest;
+}
+
+/// Either a sound end or an error and the world as it was: never joints apart, not-a-number, or an abort of ODE.
+bool sound(Pendulum& world, AccurateStep& step, double h) {
+  const auto before = bits(world);
+  try {
+    step(h);
+  } catch (const AccurateStepError&) {
+    CHECK(same(bits(world), before));
+    return false;
+  }
+  for (const double number : bits(world)) CHECK(std::isfinite(number));
+  CHECK_BETWEEN(gap(world), 0, 1e-9);  // what is left at most; of trees, rounding
+  return true;
+}
+
+/// Steps far too large, speeds far too high, with and without ground.
+void check_large_steps() {
+  int refused_steps = 0, taken = 0;
+  for (const bool ground : {false, true}) {
+    for (double h = 1e-3; h < 1e12; h *= 3) {
+      for (const double speed : {1.0, 30.0, 1e6, 1e30, 1e150}) {
+        Pendulum world;
+        if (ground) dCreatePlane(world.space, 0, 0, 1, -2.5);
+        World::move(world.one, {0, 0.5 * speed, 0}, {speed, 0, 0});
+        World::move(world.two, {0, 1.5 * speed, 0}, {speed, 0, 0});
+        AccurateStep step(world.id, world.space, plastic());
+        (sound(world, step, h) ? taken : refused_steps) += 1;
+      }
+    }
+  }
+  std::printf("large steps: %d taken, %d refused\n", taken, refused_steps);
+  CHECK(refused_steps > 0 && taken > 0);
+
+  // A free ball that flies out of what ODE's hash space can count.
+  World world;
+  const dBodyID ball = world.sphere(1, 0.1, {0, 0, 1});
+  dCreatePlane(world.space, 0, 0, 1, 0);
+  World::move(ball, {1e9, 0, 0}, {0, 0, 0});
+  AccurateStep step(world.id, world.space, plastic());
+  const auto before = bits(world);
+  CHECK_THROWS(step(1), AccurateStepError, "farther from the origin");
+  CHECK(same(bits(world), before));
+  World::move(ball, {1e3, 0, 0}, {0, 0, 0});
+  step(1e-3);
+  CHECK_NEAR(dBodyGetPosition(ball)[0], 1, 1e-12);
+}
+
+/// Overlaps that nothing can push out.
+void check_vices() {
+  World vice;
+  const dBodyID ball = vice.sphere(1, 0.1, {0, 0, 0});
+  dCreatePlane(vice.space, 1, 0, 0, -0.05);
+  dCreatePlane(vice.space, -1, 0, 0, -0.05);
+  AccurateStep squeeze(vice.id, vice.space, plastic());
+  auto before = bits(vice);
+  CHECK_THROWS(squeeze(1e-3), AccurateStepError, "can not be pushed");
+  CHECK(same(bits(vice), before));
+  World::place(ball, {0, 0, 0}, Quaterniond::Identity());
+
+  // Two links on hinges, the first hinge inside a slanted wall: pushing would have to pull it out.
+  Pendulum hung;
+  dCreatePlane(hung.space, 0, 1, 0.2, 0);
+  AccurateStep step(hung.id, hung.space, plastic());
+  before = bits(hung);
+  CHECK_THROWS(step(1e-3), AccurateStepError, "can not be pushed");
+  CHECK(same(bits(hung), before));
+
+  // A box put 5 mm deep into the ground comes out at once.
+  World sunk;
+  const dBodyID box = sunk.box(1, {0.4, 0.3, 0.1}, {0, 0, 0.045});
+  dCreatePlane(sunk.space, 0, 0, 1, 0);
+  AccurateStep lift(sunk.id, sunk.space, plastic());
+  lift(1e-3);
+  CHECK_NEAR(dBodyGetPosition(box)[2], 0.05, 1e-8);
+}
+
+void check_options() {
+  Pendulum world;
+  const auto refuse = [&](const char* message, const std::function<void(AccurateStepOptions&)>& spoil) {
+    AccurateStepOptions options;
+    spoil(options);
+    CHECK_THROWS(AccurateStep(world.id, world.space, options), AccurateStepError, message);
+  };
+  for (const double gap : {0.0, -1e-3, nan, std::numeric_limits<double>::infinity()}) {
+    refuse("start_gap must be", [gap](AccurateStepOptions& o) { o.start_gap = gap; });
+  }
+  for (const double speed : {-1e-3, nan, std::numeric_limits<double>::infinity()}) {
+    refuse("rest_speed must be", [speed](AccurateStepOptions& o) { o.rest_speed = speed; });
+  }
+  for (const int most : {0, -1})
+    refuse("most_impacts must be", [most](AccurateStepOptions& o) { o.most_impacts = most; });
+  refuse("is null", [](AccurateStepOptions& o) { o.bodies = {nullptr}; });
+
+  for (const double restitution : {-0.1, 1.1, nan}) {
+    World falling;
+    falling.sphere(1, 0.1, {0, 0, 0.1});
+    dCreatePlane(falling.space, 0, 0, 1, 0);
+    AccurateStepOptions options;
+    options.contact = [restitution](dxGeom*, dxGeom*) { return std::optional(Bounce{restitution}); };
+    AccurateStep step(falling.id, falling.space, options);
+    const auto before = bits(falling);
+    CHECK_THROWS(step(1e-3), AccurateStepError, "a restitution must be 0 to 1");
+    CHECK(same(bits(falling), before));
+  }
+}
+
+/// What the user's functions throw comes through, and leaves a world that goes on.
+void check_functions_that_throw() {
+  struct Trouble : std::runtime_error {
+    using std::runtime_error::runtime_error;
+  };
+  bool in_contact = false, in_impact = false;
+  World world;
+  world.sphere(1, 0.1, {0, 0, 0.1 + 1e-6});
+  world.sphere(1, 0.1, {0, 0, 1});
+  dCreatePlane(world.space, 0, 0, 1, 0);
+  AccurateStepOptions options;
+  options.contact = [&](dxGeom*, dxGeom*) {
+    if (in_contact) throw Trouble("contact");
+    return std::optional(Bounce{1});
+  };
+  options.after_impact = [&](const odeval::Touch&) {
+    if (in_impact) throw Trouble("impact");
+  };
+  AccurateStep step(world.id, world.space, options);
+  for (bool* const where : {&in_contact, &in_impact}) {
+    const auto before = bits(world);
+    *where = true;
+    CHECK_THROWS(step(1e-2), Trouble, where == &in_contact ? "contact" : "impact");
+    *where = false;
+    CHECK(same(bits(world), before));
+    dGeomDestroy(dCreateSphere(world.space, 0.1));  // ODE aborts here when the space is locked
+  }
+  step(1e-2);
+  CHECK(!step.touches().empty());
+}
+
+/// Changes between making the step and its first call, and between calls.
+void check_noticed() {
+  const auto refused_first = [](const char* message, const std::function<void(Pendulum&)>& spoil) {
+    Pendulum world;
+    AccurateStep step(world.id, world.space);
+    spoil(world);
+    CHECK_THROWS(step(1e-3), AccurateStepError, message);
+    refused_later(message, spoil);
+  };
+  refused_first("has a motor", [](Pendulum& w) { dJointSetHingeParam(w.first, dParamFMax, 1); });
+  refused_first("has stops", [](Pendulum& w) { dJointSetHingeParam(w.second, dParamLoStop, -1); });
+  refused_first("damped", [](Pendulum& w) { dBodySetLinearDamping(w.two, 0.1); });
+  refused_first("limited angular speed", [](Pendulum& w) { dBodySetMaxAngularSpeed(w.one, 10); });
+  refused_first("gyroscopic term off", [](Pendulum& w) { dBodySetGyroscopicMode(w.one, 0); });
+  refused_first("kinematic", [](Pendulum& w) { dBodySetKinematic(w.one); });
+  refused_first("disabled", [](Pendulum& w) { dBodyDisable(w.two); });
+
+  // What is taken as it is now: the same bits as a step made afterwards.
+  const auto taken = [](const std::function<void(Pendulum&)>& change) {
+    for (const int steps_before : {0, 3}) {
+      Pendulum changed, fresh;
+      AccurateStep step(changed.id, changed.space), other(fresh.id, fresh.space);
+      for (int k = 0; k < steps_before; ++k) step(1e-3), other(1e-3);
+      change(changed);
+      change(fresh);
+      AccurateStep made_after(fresh.id, fresh.space);
+      step(1e-3);
+      made_after(1e-3);
+      CHECK(same(bits(changed), bits(fresh)));
+      CHECK_EQUAL(step.joints(), made_after.joints());
+    }
+  };
+  taken([](Pendulum& w) {
+    dMass mass;
+    dMassSetBoxTotal(&mass, 5, 0.1, 0.1, 1);
+    dBodySetMass(w.two, &mass);
+  });
+  taken([](Pendulum& w) { dJointDisable(w.second); });
+  taken([](Pendulum& w) {  // the new joint may have the old one's address
+    dJointDestroy(w.second);
+    w.second = w.hinge(w.one, w.two, {0, 0, -1.3}, {1, 0, 0});
+  });
+  taken([](Pendulum& w) { dJointSetHingeAxis(w.second, 0, 0, 1); });
+  taken([](Pendulum& w) {
+    dGeomDestroy(dBodyGetFirstGeom(w.two));
+    dBodyDestroy(w.two);
+    w.bodies.pop_back();
+  });
+  taken([](Pendulum& w) {
+    dBodyDestroy(w.two);  // its geom stays, on the world
+    w.bodies.pop_back();
+  });
+}
+
+/// Errors say which joint and which body, in words that do not change from step to step.
+void check_names() {
+  Pendulum world;
+  world.sphere(1, 0.1, {5, 0, 0});
+  AccurateStep step(world.id, world.space);
+  const auto message = [&] {
+    try {
+      step(1e-3);
+    } catch (const AccurateStepError& error) {
+      CHECK(error.joint == world.second);
+      return std::string(error.what());
+    }
+    return std::string("nothing");
+  };
+  const auto motor = [&](double force) { dJointSetHingeParam(world.second, dParamFMax, force); };
+  motor(1);
+  CHECK(message().find("the hinge between body 0 and body 1 has a motor") != std::string::npos);
+  motor(0);
+  for (int k = 0; k < 5; ++k) step(1e-3);
+  // ODE puts geoms and joints that were touched last in front.
+  dBodySetPosition(world.bodies[2], 6, 0, 0);
+  const dJointID extra = world.ball(world.one, nullptr, {0, 0, 0});
+  motor(1);
+  CHECK(message().find("the hinge between body 0 and body 1 has a motor") != std::string::npos);
+  motor(0);
+  dJointDestroy(extra);
+  dBodySetKinematic(world.bodies[2]);
+  try {
+    step(1e-3);
+    CHECK(false);
+  } catch (const AccurateStepError& error) {
+    CHECK(error.body == world.bodies[2]);
+    CHECK(std::string(error.what()).find("body 2 is kinematic") != std::string::npos);
+  }
+}
+
 /// The user changes the world between steps.
 void check_changes() {
   Pendulum world;
@@ -184,6 +429,12 @@ int main() {
   check_unsupported();
   check_bad_numbers();
   check_start_gaps();
+  check_large_steps();
+  check_vices();
+  check_options();
+  check_functions_that_throw();
+  check_noticed();
+  check_names();
   check_changes();
   check_forces();
   check_feedback();

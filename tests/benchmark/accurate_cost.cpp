@@ -3,12 +3,15 @@
 //   odeval-accurate-cost [ROUNDS]
 //
 // Interleaved in one run: the double pendulum stepped by both; accuracy at equal CPU time (dWorldStep at h = 1e-4,
-// until t = 2); cost per step on chains of 8 to 128 links with a fitted exponent. Prints medians and judges nothing.
+// until t = 2); cost per step on chains of 8 to 128 links with a fitted exponent; mechanisms and stacks at rest; an
+// impact. Prints medians and judges nothing.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
 #include <vector>
 
 #include "catalogue/evaluation.hpp"
@@ -128,6 +131,99 @@ void chains(int rounds) {
   fmt::print("cost grows as n to the power {:.2f} (dWorldStep {:.2f})\n", slope(logs_accurate), slope(logs_ode));
 }
 
+odeval::AccurateStepOptions bouncing(double restitution) {
+  odeval::AccurateStepOptions options;
+  options.contact = [restitution](dGeomID, dGeomID) { return std::optional(odeval::Bounce{restitution}); };
+  return options;
+}
+
+/// A world with contacts, stepped by ODE in the usual way.
+class OdeSteps {
+ public:
+  explicit OdeSteps(odeval::test::World& world) : world_(world) {
+    dWorldSetERP(world.id, 0.2);
+    dWorldSetCFM(world.id, 1e-9);
+  }
+  ~OdeSteps() { dJointGroupDestroy(contacts_); }
+  OdeSteps(const OdeSteps&) = delete;
+  OdeSteps& operator=(const OdeSteps&) = delete;
+
+  void step(double h) {
+    dSpaceCollide(world_.space, this, &near);
+    dWorldStep(world_.id, h);
+    dJointGroupEmpty(contacts_);
+  }
+
+ private:
+  static void near(void* self, dGeomID one, dGeomID other) {
+    const auto& steps = *static_cast<OdeSteps*>(self);
+    const dBodyID a = dGeomGetBody(one), b = dGeomGetBody(other);
+    if (a != nullptr && b != nullptr && dAreConnectedExcluding(a, b, dJointTypeContact) != 0) return;
+    dContact contact[8]{};
+    const int count = dCollide(one, other, 8, &contact[0].geom, sizeof(dContact));
+    for (int i = 0; i < count; ++i) {
+      contact[i].surface.mode = dContactBounce;
+      contact[i].surface.bounce = 0.5;
+      contact[i].surface.bounce_vel = 0.01;
+      dJointAttach(dJointCreateContact(steps.world_.id, steps.contacts_, &contact[i]), a, b);
+    }
+  }
+
+  odeval::test::World& world_;
+  dJointGroupID contacts_ = dJointGroupCreate(0);
+};
+
+/// Frictionless on a plane, after 1.5 s in which they settle.
+void at_rest(const char* what, int rounds, const std::function<void(odeval::test::World&)>& build) {
+  constexpr double h = 1e-3;
+  odeval::test::World one, other;
+  for (odeval::test::World* world : {&one, &other}) {
+    build(*world);
+    dCreatePlane(world->space, 0, 0, 1, 0);
+  }
+  odeval::AccurateStep step(one.id, one.space, bouncing(0.5));
+  OdeSteps ode(other);
+  std::vector<double> accurate, plain, ratios;
+  std::size_t touches = 0;
+  for (int k = 0; k < 1500; ++k) step(h), ode.step(h);
+  for (int round = -1; round < rounds; ++round) {
+    constexpr int steps = 500;
+    double start = cpu_seconds();
+    for (int k = 0; k < steps; ++k) {
+      step(h);
+      touches += step.touches().size();
+    }
+    const double a = (cpu_seconds() - start) / steps;
+    start = cpu_seconds();
+    for (int k = 0; k < steps; ++k) ode.step(h);
+    const double b = (cpu_seconds() - start) / steps;
+    if (round < 0) continue;
+    accurate.push_back(1e6 * a), plain.push_back(1e6 * b), ratios.push_back(a / b);
+  }
+  fmt::print("{:16} dWorldStep {:.2f} us/step, accurate {:.2f} us/step: {:.2f} x, {} touches\n", what, median(plain),
+             median(accurate), median(ratios), touches);
+}
+
+/// Steps with and without an impact of a link that swings against a wall.
+void impacts() {
+  using namespace odeval::test;
+  using Clock = std::chrono::steady_clock;
+  World world;
+  const dBodyID link = world.box(1, {1, 0.1, 0.1}, {1.5, 0, 3});
+  world.hinge(link, nullptr, {1, 0, 3}, {0, 1, 0});
+  dGeomSetPosition(dCreateBox(world.space, 1.8, 2, 10), 0, 0, 0);
+  odeval::AccurateStep step(world.id, world.space, bouncing(1));
+  std::vector<double> with, without;
+  for (int k = 0; k < 200000; ++k) {
+    const auto start = Clock::now();
+    step(1e-3);
+    const double took = std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+    (step.touches().empty() ? without : with).push_back(took);
+  }
+  fmt::print("an impact        step {:.2f} us, step with an impact {:.2f} us: {:.1f} steps ({} impacts)\n",
+             median(without), median(with), median(with) / median(without), with.size());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -135,4 +231,18 @@ int main(int argc, char** argv) {
   per_step(rounds);
   equal_time(rounds);
   chains(rounds);
+  for (const int links : {2, 3, 4}) {
+    at_rest(fmt::format("arm of {} at rest", links).c_str(), rounds, [links](odeval::test::World& world) {
+      dBodyID before = nullptr;
+      for (int i = 0; i < links; ++i) {
+        const dBodyID link = world.box(1, {0.4, 0.1, 0.1}, {0.2 + 0.4 * i, 0, 0.055});
+        world.hinge(link, before, {0.4 * i, 0, 0.055}, {0, 1, 0});
+        before = link;
+      }
+    });
+  }
+  at_rest("stack of 4", rounds, [](odeval::test::World& world) {
+    for (int i = 0; i < 4; ++i) world.box(1, {0.2, 0.2, 0.2}, {0, 0, 0.1 + 0.2 * i});
+  });
+  impacts();
 }

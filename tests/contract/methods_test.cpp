@@ -16,21 +16,26 @@ std::string header_of(const Trace& trace) {
   return csv.substr(0, csv.find('\n'));
 }
 
-const char* wanted_header(const Problem& problem, Coordinates coordinates) {
-  const bool bodies = coordinates == Coordinates::cartesian;
-  if (problem.links == 1) {
-    return bodies ? "t,q1,qd1,kinetic,potential,energy,energy_drift,gap,out_of_plane,error_q1,contacts,condition,"
-                    "manipulability,"
-                    "x1,y1,z1,r111,r112,r113,r121,r122,r123,r131,r132,r133,vx1,vy1,vz1,wx1,wy1,wz1,fx1,fy1,fz1"
-                  : "t,q1,qd1,kinetic,potential,energy,energy_drift,gap,out_of_plane,error_q1,contacts,condition,"
-                    "manipulability";
+std::string wanted_header(std::size_t links, Coordinates coordinates) {
+  std::string header = "t";
+  const auto each = [&](const std::string& name) {
+    for (std::size_t i = 1; i <= links; ++i) header += "," + name + std::to_string(i);
+  };
+  each("q");
+  each("qd");
+  header += ",kinetic,potential,energy,energy_drift,gap,out_of_plane";
+  each("error_q");
+  header += ",contacts,condition,manipulability";
+  if (coordinates == Coordinates::generalized) return header;
+  for (std::size_t i = 1; i <= links; ++i) {
+    const std::string link = std::to_string(i);
+    for (const char* name : {"x", "y", "z"}) header += "," + std::string(name) + link;
+    for (const char* entry : {"11", "12", "13", "21", "22", "23", "31", "32", "33"}) header += ",r" + link + entry;
+    for (const char* name : {"vx", "vy", "vz", "wx", "wy", "wz", "fx", "fy", "fz"}) {
+      header += "," + std::string(name) + link;
+    }
   }
-  return bodies ? "t,q1,q2,qd1,qd2,kinetic,potential,energy,energy_drift,gap,out_of_plane,error_q1,error_q2,contacts,"
-                  "condition,manipulability,"
-                  "x1,y1,z1,r111,r112,r113,r121,r122,r123,r131,r132,r133,vx1,vy1,vz1,wx1,wy1,wz1,fx1,fy1,fz1,"
-                  "x2,y2,z2,r211,r212,r213,r221,r222,r223,r231,r232,r233,vx2,vy2,vz2,wx2,wy2,wz2,fx2,fy2,fz2"
-                : "t,q1,q2,qd1,qd2,kinetic,potential,energy,energy_drift,gap,out_of_plane,error_q1,error_q2,contacts,"
-                  "condition,manipulability";
+  return header;
 }
 
 // Row 0 shows the first step's force; one sampled sparsely, the same one.
@@ -48,7 +53,7 @@ void check_contract(const Problem& problem, const catalogue::Method& method) {
   const auto run = evaluator.evaluate(method);
   std::printf("%s %s\n", std::string(problem.name).c_str(), std::string(method.name).c_str());
 
-  CHECK_EQUAL(header_of(run.trace), std::string(wanted_header(problem, method.coordinates)));
+  CHECK_EQUAL(header_of(run.trace), wanted_header(scenario.links.size(), method.coordinates));
   CHECK_EQUAL(run.trace.rows(), std::size_t{101});
   CHECK(!run.outcome.diverged);
   CHECK(run.outcome.steps > 0);
@@ -68,7 +73,7 @@ void check_contract(const Problem& problem, const catalogue::Method& method) {
   // Whatever the method, this second is followed to a tenth of a radian and a tenth of the energy.
   const Metrics metrics = evaluator.measure(run, 1.0);
   CHECK(metrics.max_error_q.value() < 0.1);
-  CHECK(metrics.max_energy_drift < 1.0);
+  if (!scenario.wall || scenario.wall->restitution == 1) CHECK(metrics.max_energy_drift < 1.0);
   CHECK(metrics.max_gap.value() <
         (method.name == "maximal-euler" ? 4e-3 : 1e-3));  // explicit Euler opens its joints: 2.9 mm
 

@@ -9,10 +9,10 @@ using namespace odeval;
 /// No two numbers alike, so that a mass, side, angle or rate in the wrong place shows.
 Scenario uneven_scenario(std::string_view problem, double duration_s, double step_s) {
   Scenario scenario = test::report_scenario(problem, duration_s, step_s);
-  const Link links[] = {{1.7, 0.8, 0.25, 0.06}, {0.6, 1.3, 0.05, 0.4}};
+  const Link links[] = {{1.7, 0.8, 0.25, 0.06}, {0.6, 1.3, 0.05, 0.4}, {1.1, 0.5, 0.2, 0.2, Shape::sphere}};
   scenario.links.assign(links, links + scenario.links.size());
-  const double angles[] = {0.3, 0.9};
-  const double rates[] = {1.1, -2.3};
+  const double angles[] = {0.3, 0.9, -0.4};
+  const double rates[] = {1.1, -2.3, 0.7};
   scenario.q0.assign(angles, angles + scenario.links.size());
   scenario.qd0.assign(rates, rates + scenario.links.size());
   if (scenario.wall) scenario.wall->face_m = -5;  // out of reach: the frame is tested, not the wall

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <tuple>
 
 #include "odeval/error.hpp"
@@ -112,6 +113,43 @@ void links_where_mathematics_says() {
         }
       }
     }
+  }
+}
+
+/// A falling box that turns and a ball, seen from the front, where x lies to the right and z up: the box's long axis
+/// runs where its turn says, the ball is round, and in free flight the camera goes with them.
+void bodies_where_mathematics_says() {
+  Scenario scenario = odeval::test::report_scenario("free_box", 1.0, 1e-3);
+  constexpr double rate = 0.8;  // rad/s about +y: what points up turns to the right
+  scenario.bodies = {Body{Shape::box, 1, {0.2, 0.3, 1.0}, {0, 0, 0}, {0, 0.4, 0}, {}, {0, rate, 0}},
+                     Body{Shape::sphere, 1, {0.4, 0.4, 0.4}, {1, 0, 0.2}, {}, {}, {0, 0, 1}}};
+  catalogue::Evaluator evaluator(scenario);
+  const Trace trace = evaluator.evaluate(catalogue::find_method("ode-step-double")).trace;
+  const std::vector<Pose> shown{pose_at(scenario, trace, 0), pose_at(scenario, trace, 1000)};
+  Studio studio(scenario, front, 800, 600, caption_font(), shown);
+  const Tile above = studio.above_caption();
+  const Camera camera = studio.camera(above.width, above.height);
+  for (const std::size_t row : {0U, 500U, 1000U}) {
+    const Image image = studio.picture(shot_of(scenario, trace, row), {"left", "right"});
+    const double turn = 0.4 + rate * trace.t[row];
+    const Vec3 middle{-0.5, 0, -0.1};  // of the box, beside the middle of both
+    const Vec3 along{std::sin(turn), 0, std::cos(turn)};
+    const Vec3 across{std::cos(turn), 0, -std::sin(turn)};
+    const auto at = [&](double up, double aside) { return camera.project(middle + up * along + aside * across); };
+    for (const double up : {-0.46, -0.2, 0.0, 0.2, 0.46}) {
+      CHECK(has_link_colour(image, at(up, 0.07), 0));
+      CHECK(!has_link_colour(image, at(up, 0.2), 0));
+      CHECK(!has_link_colour(image, at(up, -0.2), 0));
+    }
+    CHECK(!has_link_colour(image, at(0.62, 0), 0));
+    CHECK(!has_link_colour(image, at(-0.62, 0), 0));
+    for (int k = 0; k < 12; ++k) {
+      const double angle = (k + 0.5) * std::numbers::pi / 6;
+      const Vec3 outward{std::cos(angle), 0, std::sin(angle)};
+      CHECK(has_link_colour(image, camera.project(Vec3{0.5, 0, 0.1} + 0.17 * outward), 1));
+      CHECK(!has_link_colour(image, camera.project(Vec3{0.5, 0, 0.1} + 0.24 * outward), 1));
+    }
+    CHECK(studio.shows(pose_at(scenario, trace, row)));
   }
 }
 
@@ -555,6 +593,7 @@ int main() {
   }
 #endif
   right_handed();
+  bodies_where_mathematics_says();
   links_where_mathematics_says();
   nearer_hides_farther();
   hopeless_poses_are_left_out();

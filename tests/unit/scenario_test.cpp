@@ -131,7 +131,8 @@ void fallbacks_are_what_the_table_says() {
   std::string maximal = "[maximal]\n";
   for (const KeyRow& row : key_table()) {
     const bool is_value = row.kind == KeyKind::number || row.kind == KeyKind::whole || row.name == "start";
-    const bool is_word = row.name == "sample" || row.name == "bounce" || row.name.ends_with("tol");
+    const bool is_word = row.name == "sample" || row.name == "bounce" || row.name.ends_with("tol") || row.name == "n" ||
+                         row.name == "depth";
     if (row.required() || !is_value || is_word || row.section == "tolerances") continue;
     const std::string quote = row.kind == KeyKind::word ? "\"" : "";
     const std::string line = std::string(row.name) + " = " + quote + std::string(row.fallback) + quote + "\n";

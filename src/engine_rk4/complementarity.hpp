@@ -1,0 +1,13 @@
+#pragma once
+// Linear complementarity: which contacts push, and how much.
+#include <Eigen/Core>
+
+namespace odeval::engine_rk4 {
+
+/// p >= 0, A p + b >= 0, p (A p + b) = 0 for a positive semidefinite A, by an active set (Lawson & Hanson, Solving
+/// Least Squares Problems, 1974, chapter 23, on the normal equations): exact to rounding after as many rounds as
+/// contacts push. Where several contacts say the same, A p is unique and p is not; as few as possible get a share. Rows
+/// that nothing can satisfy (b asks both jaws of a vice to give way) are left as they are.
+Eigen::VectorXd complementary(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
+
+}  // namespace odeval::engine_rk4

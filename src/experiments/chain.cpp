@@ -1,0 +1,232 @@
+// Chains of n links: how error, conditioning and cost grow with the number of states. The other half of claim C3.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "catalogue/timing.hpp"
+#include "experiments/all.hpp"
+#include "experiments/parts.hpp"
+#include "measure/order.hpp"
+#include "measure/spread.hpp"
+
+namespace odeval::experiments {
+namespace {
+
+using catalogue::Evaluation;
+using catalogue::Evaluator;
+using report::Cell;
+using report::Missing;
+using report::Panel;
+
+constexpr std::size_t error_sizes[] = {2, 4, 8, 16, 32, 64};
+constexpr std::size_t cost_sizes[] = {4, 8, 16, 32, 64, 128};
+constexpr double until_s = 1;
+constexpr const char* steppers[] = {"ode-step-double", "ode-quickstep-double", "ode-rk4-double",
+                                    "lagrange-symplectic-euler"};
+constexpr const char* timed[] = {"ode-step-double", "ode-quickstep-double", "ode-rk4-double", "lagrange-cvode"};
+constexpr int rounds = 3;
+
+Scenario chain_of(const Scenario& file, std::size_t n) {
+  Scenario scenario = file;
+  scenario.n = static_cast<int>(n);
+  scenario.links.resize(n, file.links.front());
+  scenario.q0.resize(n, 0.0);
+  scenario.qd0.resize(n, 0.0);
+  scenario.duration_s = until_s;
+  scenario.sample_s = 0.02;
+  return scenario;
+}
+
+/// What is plotted over n: one value a size.
+struct Growth {
+  std::string name;
+  std::string unit;
+  std::vector<ErrorPoint> points;
+  int colour = -1;
+};
+
+report::Series series_of(const Growth& growth) {
+  report::Series series{growth.name, {}, {}, report::Mark::line_and_points, growth.colour};
+  for (const ErrorPoint& point : growth.points) {
+    series.x.push_back(point.setting);
+    series.y.push_back(point.error);
+  }
+  return series;
+}
+
+std::optional<ObservedOrder> exponent(const Growth& growth) { return observed_order(growth.points, 1e300); }
+
+struct Errors {
+  std::vector<Growth> errors;      // of the steppers
+  std::vector<Growth> conditions;  // generalized, Cartesian with CFM
+  report::Table table;
+};
+
+Errors measure_errors(const Scenario& file) {
+  Errors result;
+  result.table = {
+      "chain-errors",
+      fmt::format("Error and conditioning of chains of n links until {} s, h = {} s", until_s, file.step_s),
+      {"n", "dWorldStep, rad", "QuickStep, rad", "fourth-order step, rad", "symplectic Euler, rad",
+       "the reference's uncertainty, rad", "condition of the mass matrix", "condition of ODE's system matrix"},
+      {},
+      "Errors are the largest of all angles; condition numbers (1-norm) are medians over the run."};
+  for (const char* stepper : steppers) result.errors.push_back({stepper, "error", {}, colour_of(stepper)});
+  result.conditions = {{"generalized: mass matrix", "condition", {}, colour_of("lagrange-cvode")},
+                       {"Cartesian: ODE's system matrix", "condition", {}, colour_of("ode-step-double")}};
+  for (const std::size_t n : error_sizes) {
+    Evaluator evaluator(chain_of(file, n));
+    const double doubt = evaluator.reference().uncertainty_q.back();
+    std::vector<Cell> row{static_cast<double>(n)};
+    double condition[2] = {};
+    for (std::size_t i = 0; i < std::size(steppers); ++i) {
+      const Evaluation run = evaluator.evaluate(*available(steppers[i]));
+      const double error = error_until(evaluator, run, until_s);
+      result.errors[i].points.push_back({static_cast<double>(n), error, doubt});
+      row.push_back(std::isfinite(error) ? Cell(error) : Cell(Missing{"the run blew up"}));
+      if (i == 0) condition[1] = median(run.trace.condition);
+      if (i == 3) condition[0] = median(run.trace.condition);
+    }
+    row.emplace_back(doubt);
+    for (std::size_t c = 0; c < 2; ++c) {
+      row.emplace_back(condition[c]);
+      result.conditions[c].points.push_back({static_cast<double>(n), condition[c], 0});
+    }
+    result.table.rows.push_back(std::move(row));
+  }
+  return result;
+}
+
+struct Costs {
+  std::vector<Growth> costs;  // s a step; of CVODE: s for 1 s of motion
+  report::Table table;
+};
+
+// So few steps that the longest chain takes dWorldStep a tenth of a second.
+long steps_of(std::size_t n) { return std::max(8L, 1000L / static_cast<long>(n)); }
+
+Costs measure_costs(const Scenario& file) {
+  Costs result;
+  result.table = {"chain-costs",
+                  "CPU time of chains of n links on this machine",
+                  {"n", "dWorldStep, s a step", "QuickStep, s a step", "fourth-order step, s a step",
+                   "reference (one run of CVODE), s for 1 s of motion"},
+                  {},
+                  fmt::format("Medians of {} runs in turn, nothing recorded; QuickStep at {} iterations.", rounds,
+                              file.ode.iterations)};
+  for (const char* method : timed) result.costs.push_back({method, "cost", {}, colour_of(method)});
+  for (const std::size_t n : cost_sizes) {
+    Scenario steps = chain_of(file, n);
+    steps.sample_s.reset();
+    steps.duration_s = static_cast<double>(steps_of(n)) * steps.step_s;
+    const Evaluator few(steps);
+    const Evaluator whole(chain_of(file, n));
+    std::vector<catalogue::TimedRun> runs;
+    for (const char* method : timed) {
+      const bool reference = std::string_view(method) == catalogue::reference_method;
+      runs.push_back({reference ? &whole : &few, available(method), 0, 0, {}, 1});
+    }
+    catalogue::time_in_turns(runs, rounds);
+    std::vector<Cell> row{static_cast<double>(n)};
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      const bool reference = runs[i].evaluator == &whole;
+      const double cost = runs[i].median_s() / (reference ? until_s : static_cast<double>(steps_of(n)));
+      result.costs[i].points.push_back({static_cast<double>(n), cost, 0});
+      row.emplace_back(cost);
+    }
+    result.table.rows.push_back(std::move(row));
+  }
+  return result;
+}
+
+/// Where two costs cross, between sizes by the logarithms; nothing if they do not.
+std::optional<double> crossing(const Growth& dear, const Growth& cheap) {
+  for (std::size_t i = 1; i < dear.points.size(); ++i) {
+    const double before = std::log(dear.points[i - 1].error / cheap.points[i - 1].error);
+    const double after = std::log(dear.points[i].error / cheap.points[i].error);
+    if (!(before < 0 && after >= 0)) continue;
+    const double from = std::log(dear.points[i - 1].setting);
+    const double to = std::log(dear.points[i].setting);
+    return std::exp(from + (to - from) * before / (before - after));
+  }
+  return std::nullopt;
+}
+
+void add_exponents(report::Table& table, const std::vector<Growth>& growths) {
+  for (const Growth& growth : growths) {
+    const auto fit = exponent(growth);
+    if (fit) {
+      table.rows.push_back({growth.name, growth.unit, fit->order, fit->half_width, fit->from, fit->to});
+    } else {
+      const Missing missing{"too few points"};
+      table.rows.push_back({growth.name, growth.unit, missing, missing, missing, missing});
+    }
+  }
+}
+
+void add_finding(Findings& findings, const std::string& name, const std::string& meaning, const Growth& growth) {
+  const auto fit = exponent(growth);
+  findings.add(name, fit ? measured(meaning, "", fit->order, fit->half_width)
+                         : unavailable(meaning, "", "too few runs stayed finite"));
+}
+
+}  // namespace
+
+Section chain(Laboratory& laboratory, Findings& findings) {
+  const Scenario& file = laboratory.scenario("chain");
+  const Errors errors = measure_errors(file);
+  const Costs costs = measure_costs(file);
+  add_finding(findings, "C3.error_exponent",
+              "exponent with which the error of dWorldStep grows with the number of links, 2 to 64, until 1 s",
+              errors.errors[0]);
+  add_finding(findings, "chain.condition_exponent_generalized",
+              "exponent with which the condition of the mass matrix grows with the number of links",
+              errors.conditions[0]);
+  add_finding(findings, "chain.condition_exponent_cartesian", "the same of ODE's system matrix", errors.conditions[1]);
+  const auto overtakes = crossing(costs.costs[0], costs.costs[1]);
+  const std::string meaning = fmt::format(
+      "number of links from which a step of QuickStep ({} iterations) is cheaper than dWorldStep's, on this machine",
+      file.ode.iterations);
+  findings.add("chain.quickstep_overtakes",
+               overtakes ? measured(meaning, "", *overtakes) : unavailable(meaning, "", "not between 4 and 128 links"));
+
+  report::Table exponents{"chain-exponents",
+                          "How it grows: the exponent p of n^p",
+                          {"method", "of", "p", "± (95 %)", "from n", "to n"},
+                          {},
+                          "Fitted to six sizes; the spread takes in noise and that a power of n is not all there is. "
+                          "Costs of short chains have a part that does not grow."};
+  add_exponents(exponents, errors.errors);
+  add_exponents(exponents, errors.conditions);
+  add_exponents(exponents, costs.costs);
+
+  Panel of_errors{.x_label = "links", .y_label = "error until 1 s, rad", .log_x = true, .log_y = true};
+  Panel of_conditions{.x_label = "links", .y_label = "condition number", .log_x = true, .log_y = true};
+  Panel of_costs{.x_label = "links", .y_label = "CPU time a step, s", .log_x = true, .log_y = true};
+  for (const Growth& growth : errors.errors) of_errors.series.push_back(series_of(growth));
+  for (const Growth& growth : errors.conditions) of_conditions.series.push_back(series_of(growth));
+  for (std::size_t i = 0; i < 3; ++i) of_costs.series.push_back(series_of(costs.costs[i]));
+
+  Section section{"chain", "More links: error, conditioning and cost", {}};
+  section.blocks.emplace_back(report::Text{fmt::format(
+      "The report expected the error to grow with the number of states. Chains of the report's links, which start as "
+      "its double pendulum does with the other links level, at h = {} s. {}",
+      file.step_s,
+      overtakes ? fmt::format("From about {} links on a step of QuickStep is cheaper than one of dWorldStep.",
+                              std::lround(*overtakes))
+                : std::string("Within these sizes one of the two steps of ODE is always the cheaper."))});
+  report::Figure figure{"chain-figure", "Over the number of links", {}, {}, 3};
+  figure.caption =
+      "Straight lines are powers of n. The fourth-order step and QuickStep cost in proportion to n, "
+      "dWorldStep factorises one matrix of all joints.";
+  figure.panels = {std::move(of_errors), std::move(of_conditions), std::move(of_costs)};
+  section.blocks.emplace_back(std::move(figure));
+  section.blocks.emplace_back(errors.table);
+  section.blocks.emplace_back(costs.table);
+  section.blocks.emplace_back(std::move(exponents));
+  return section;
+}
+
+}  // namespace odeval::experiments

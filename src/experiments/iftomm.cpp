@@ -1,0 +1,135 @@
+// The IFToMM pendulum A01: the CPU time that it costs to stay near the exact motion for 2000 s.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "catalogue/accuracy.hpp"
+#include "experiments/all.hpp"
+#include "experiments/parts.hpp"
+
+namespace odeval::experiments {
+namespace {
+
+using catalogue::Accuracy;
+using catalogue::Method;
+using catalogue::Trial;
+using report::Cell;
+using report::Missing;
+
+constexpr double asked[] = {0.1, 0.001};  // rad; m of the point, which is 1 m from its hinge
+// So that the page keeps its time: what costs a microsecond a step gets fewer of them than what costs a tenth of it.
+constexpr double most_steps_cartesian = 320'000;  // of first order half as many
+constexpr double most_steps_generalized = 5'200'000;
+
+/// CPU time of the whole motion at a setting, nothing recorded, s. It takes so long that one run is enough.
+double cpu_time(const Accuracy& accuracy, const Method& method, double setting) {
+  const auto simulation = accuracy.at(method, setting).make(method);
+  const double start = catalogue::cpu_seconds();
+  simulation->run(nullptr);
+  return catalogue::cpu_seconds() - start;
+}
+
+std::string setting_of(const Method& method, double setting) {
+  const auto knob = catalogue::knob_of(method);
+  if (knob == catalogue::Knob::none) return "-";
+  return fmt::format("{} = {}", catalogue::knob_name(knob), shown(setting));
+}
+
+/// From coarse to fine: steps that are halved, or tolerances that are a tenth of those before.
+std::vector<double> ladder_of(const Accuracy& accuracy, const Method& method, double duration_s) {
+  std::vector<double> settings;
+  const auto knob = catalogue::knob_of(method);
+  if (knob == catalogue::Knob::none) return {0.0};
+  if (knob == catalogue::Knob::rtol) {
+    for (int digits = 3; digits <= 13; ++digits) settings.push_back(std::pow(10.0, -digits));
+    return settings;
+  }
+  const bool cartesian = method.coordinates == Coordinates::cartesian;
+  const double most = cartesian ? most_steps_cartesian / (method.order == 1 ? 2 : 1) : most_steps_generalized;
+  for (double step = accuracy.row_spacing_s(); duration_s / step <= most; step /= 2) settings.push_back(step);
+  return settings;
+}
+
+/// The coarsest setting of the ladder that keeps each of the errors; the search goes on where it was.
+struct Reached {
+  std::optional<double> setting[std::size(asked)];
+  Trial best;
+};
+
+Reached search(const Accuracy& accuracy, const Method& method, double duration_s) {
+  Reached reached;
+  std::size_t next = 0;
+  for (const double setting : ladder_of(accuracy, method, duration_s)) {
+    const Trial trial = accuracy.try_setting(method, setting);
+    if (!(trial.error >= reached.best.error)) reached.best = trial;
+    while (next < std::size(asked) && trial.keeps(asked[next])) reached.setting[next++] = setting;
+    if (next == std::size(asked)) break;
+  }
+  return reached;
+}
+
+std::string best_seen(const Method& method, const Trial& best) {
+  if (!std::isfinite(best.error)) return "not reached: no run stayed finite";
+  return fmt::format("not reached; best seen {} rad at {}", shown(best.error), setting_of(method, best.setting));
+}
+
+}  // namespace
+
+Section iftomm(Laboratory& laboratory, Findings& findings) {
+  const Scenario& scenario = laboratory.scenario("iftomm_pendulum");
+  const Accuracy accuracy(scenario, scenario.duration_s);
+  report::Table table{
+      "iftomm",
+      fmt::format("What it costs to follow the pendulum for {} s", scenario.duration_s),
+      {"method", "within 0.1 rad, CPU s", "with", "within 0.001 rad, CPU s", "with"},
+      {},
+      fmt::format("CPU times of this machine, of runs that record nothing, at the coarsest "
+                  "setting that keeps the error at samples {} s apart, of steps halved again and again "
+                  "and tolerances from 1e-3 down by tens. Up to {} steps were tried in Cartesian "
+                  "coordinates (half as many of first order) and {} in generalized ones. The reference knows the angle "
+                  "to {} rad at "
+                  "the end.",
+                  accuracy.row_spacing_s(), most_steps_cartesian, most_steps_generalized, shown(accuracy.doubt()))};
+  for (const Method& method : catalogue::methods()) {
+    if (!method.claims(*scenario.problem)) continue;
+    std::vector<Cell> row{std::string(method.name)};
+    if (method.make == nullptr || method.name == "lagrange-quad") {
+      const std::string why = method.make == nullptr ? "left out of this build" : "not tried: it takes minutes";
+      for (int i = 0; i < 4; ++i) row.emplace_back(Missing{why});
+      table.rows.push_back(std::move(row));
+      continue;
+    }
+    const Reached reached = search(accuracy, method, scenario.duration_s);
+    for (std::size_t i = 0; i < std::size(asked); ++i) {
+      const std::optional<double>& setting = reached.setting[i];
+      row.push_back(setting ? Cell(cpu_time(accuracy, method, *setting))
+                            : Cell(Missing{best_seen(method, reached.best)}));
+      row.emplace_back(setting ? setting_of(method, *setting) : "-");
+      if (method.name == "ode-rk4-double" || method.name == "lagrange-symplectic-euler") {
+        const std::string meaning =
+            fmt::format("step of {} that stays within {} rad for {} s", method.name, asked[i], scenario.duration_s);
+        findings.add(fmt::format("iftomm.{}_within_{}", method.name, asked[i]),
+                     setting ? measured(meaning, "s", *setting) : unavailable(meaning, "s", "not reached"));
+      }
+    }
+    if (method.name == "ode-step-double") {
+      findings.add("iftomm.ode-step-double_best",
+                   measured("least error of dWorldStep over the whole time among the steps tried", "rad",
+                            reached.best.error, reached.best.doubt));
+    }
+    table.rows.push_back(std::move(row));
+  }
+  Section section{"iftomm", "The pendulum of the IFToMM benchmark", {}};
+  section.blocks.emplace_back(report::Text{fmt::format(
+      "A point of 1 kg on a bar of 1 m, released from the horizontal, has to stay near the exact motion for {} s: "
+      "problem A01 of the IFToMM benchmark library, whose score is the CPU time that this costs. It asks for what a "
+      "short run does not show: that a method's error does not pile up. ODE feeds its joint errors back, which takes "
+      "energy in every swing, so the phase of its swing runs away; a symplectic step keeps it.",
+      scenario.duration_s)});
+  section.blocks.emplace_back(std::move(table));
+  return section;
+}
+
+}  // namespace odeval::experiments

@@ -1,0 +1,107 @@
+// Two points on rods against a wall (Potra et al. 2006): where the impacts are, and what the engine makes of them.
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+#include "experiments/all.hpp"
+#include "experiments/parts.hpp"
+
+namespace odeval::experiments {
+namespace {
+
+using catalogue::Evaluation;
+using catalogue::Evaluator;
+using report::Cell;
+using report::Missing;
+
+constexpr const char* name = "potra_pendulum";
+constexpr const char* compared[] = {"ode-step-double", "ode-quickstep-double", "ode-rk4-double"};
+constexpr double thinnest_m = 1e-4;
+
+/// The times at which balls as small as a scenario may have would touch: how near the spheres are to points.
+double off_points(const Scenario& file, const Reference& spheres) {
+  Scenario points = file;
+  for (Link& link : points.links) {
+    points.wall->face_m = file.wall->face_m + (file.links[0].width_m - thinnest_m) / 2;
+    link.width_m = link.depth_m = thinnest_m;
+  }
+  Evaluator evaluator(points);
+  const Reference& reference = evaluator.reference();
+  if (reference.impacts.size() != spheres.impacts.size()) return NAN;
+  double largest = 0;
+  for (std::size_t i = 0; i < spheres.impacts.size(); ++i) {
+    largest = std::fmax(largest, std::fabs(reference.impacts[i].t - spheres.impacts[i].t));
+  }
+  return largest;
+}
+
+}  // namespace
+
+Section potra(Laboratory& laboratory, Findings& findings) {
+  Evaluator& evaluator = laboratory.evaluator(name);
+  const Reference& reference = evaluator.reference();
+  report::Table table{"potra-impacts",
+                      "Impacts of the reference, and how much later each method has them",
+                      {"impact", "ball", "t of the reference, s", "± s", "dWorldStep later by, s",
+                       "QuickStep later by, s", "fourth-order step later by, s"},
+                      {},
+                      "A method's impact of the same number is compared, if it is the same ball's."};
+  std::array<double, std::size(compared)> worst{};
+  for (std::size_t i = 0; i < reference.impacts.size(); ++i) {
+    const Impact& impact = reference.impacts[i];
+    std::vector<Cell> row{static_cast<double>(i + 1), static_cast<double>(impact.link.value_or(0)), impact.t,
+                          reference.impact_uncertainty_s[i]};
+    for (std::size_t m = 0; m < std::size(compared); ++m) {
+      const std::vector<Impact>& impacts = laboratory.run(name, compared[m])->outcome.impacts;
+      if (i < impacts.size() && impacts[i].link == impact.link) {
+        row.emplace_back(impacts[i].t - impact.t);
+        worst[m] = std::fmax(worst[m], std::fabs(impacts[i].t - impact.t));
+      } else {
+        row.emplace_back(Missing{"another ball's, or none"});
+        worst[m] = NAN;
+      }
+    }
+    table.rows.push_back(std::move(row));
+  }
+  const double step_s = evaluator.scenario().step_s;
+  findings.add(
+      "potra.late_steps",
+      measured("largest distance of an impact of dWorldStep from the reference's, in steps", "", worst[0] / step_s));
+  findings.add("potra.late_fourth_order",
+               measured("the same of ode-rk4-double", "s", worst[2], reference.impact_uncertainty_s.back()));
+  const double spheres = off_points(evaluator.scenario(), reference);
+  findings.add("potra.spheres_off_points",
+               measured(fmt::format("largest change of an impact's time when spheres of {} m stand for the points "
+                                    "instead of spheres of {} m",
+                                    evaluator.scenario().links[0].width_m, thinnest_m),
+                        "s", spheres));
+
+  report::Panel errors{.x_label = "t, s", .y_label = "error, rad", .log_y = true};
+  report::Panel distance{.x_label = "t, s", .y_label = "distance of the points from x = 0, m"};
+  for (const char* method : compared) {
+    const Evaluation& run = *laboratory.run(name, method);
+    errors.series.push_back(curve(method, run.trace.t, above_zero(largest_error(run.trace)), colour_of(method)));
+  }
+  errors.series.push_back(
+      curve("the reference's uncertainty", reference.trace.t, above_zero(reference.uncertainty_q), -1, true));
+  const Evaluation& shown_run = *laboratory.run(name, compared[0]);
+  for (std::size_t ball = 0; ball < 2; ++ball) {
+    distance.series.push_back(curve(fmt::format("point {}, {}", ball + 1, compared[0]), shown_run.trace.t,
+                                    shown_run.trace.bodies[ball].position[0]));
+  }
+  Section section{"potra", "Two points against a wall (Potra et al. 2006)", {}};
+  section.blocks.emplace_back(report::Text{fmt::format(
+      "Two points on weightless rods, both of which may hit a wall: an impact of one goes through the joints to the "
+      "other. Spheres of {} m stand for them. dWorldStep has every impact within {} steps; twenty iterations of "
+      "QuickStep do not hold so small a sphere on its rod, and it follows another motion from the first impact on.",
+      evaluator.scenario().links[0].width_m, shown(worst[0] / step_s))});
+  report::Figure figure{"potra-figure", "Errors, and the points' distances from the wall", {}, {}, 2};
+  figure.caption = "Errors step up at the impacts that a method has early or late.";
+  figure.panels = {std::move(errors), std::move(distance)};
+  section.blocks.emplace_back(std::move(figure));
+  section.blocks.emplace_back(std::move(table));
+  return section;
+}
+
+}  // namespace odeval::experiments

@@ -1,0 +1,148 @@
+#include "render/body_stage.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "render/vector.hpp"
+
+namespace odeval::render {
+namespace {
+
+constexpr double far_m = 1e6;  // beyond, nothing is drawn
+
+Vec3 middle_of(const Pose& pose) {
+  Vec3 sum{};
+  for (const LinkPose& body : pose) sum = sum + body.centre_m;
+  return (1.0 / static_cast<double>(std::max<std::size_t>(pose.size(), 1))) * sum;
+}
+
+}  // namespace
+
+BodyStage::BodyStage(const Scenario& scenario, std::span<const Pose> shown)
+    : bodies_(scenario.bodies), frame_(scenario.problem->frame) {
+  Vec3 low{far_m, far_m, far_m};
+  Vec3 high{-far_m, -far_m, -far_m};
+  const auto hold = [&](const Pose& pose) {
+    const Vec3 by = scenario.ground ? Vec3{} : -1 * middle_of(pose);
+    for (std::size_t i = 0; i < pose.size(); ++i) {
+      if (!drawable(pose[i])) continue;
+      for (std::size_t k = 0; k < 3; ++k) {
+        low[k] = std::min(low[k], pose[i].centre_m[k] + by[k] - radius(i));
+        high[k] = std::max(high[k], pose[i].centre_m[k] + by[k] + radius(i));
+      }
+    }
+  };
+  for (const Pose& pose : shown) hold(pose);
+  if (low[0] > high[0]) low = high = {};  // nothing that could be drawn
+  const Vec3 centre = 0.5 * (low + high);
+  reach_m_ = std::max(length(high - low) / 2, 1e-3);
+  frame_.hinge_m = centre;
+  if (!scenario.ground) return;
+  const Vec3 normal = scenario.ground->normal();
+  ground_ = GroundPlane{centre - dot(centre, normal) * normal, scenario.ground->downhill(), {0, 1, 0}, normal};
+}
+
+double BodyStage::radius(std::size_t body) const {
+  const Vec3& size = bodies_[body].size_m;
+  return bodies_[body].shape == Shape::sphere ? size[0] / 2 : length(size) / 2;
+}
+
+// Along the body's z axis, across along x, hinge along y: body_frame of the problems.
+BoxSize BodyStage::half(std::size_t body) const {
+  const auto [x, y, z] = bodies_[body].size_m;
+  return {z / 2, x / 2, y / 2};
+}
+
+bool BodyStage::drawable(const LinkPose& body) const {
+  // Comparisons that are false for what is no number as well.
+  const auto is_unit = [](const Vec3& v) { return std::fabs(dot(v, v) - 1) < 0.1; };
+  return dot(body.centre_m, body.centre_m) < far_m * far_m && is_unit(body.along) && is_unit(body.across) &&
+         is_unit(body.hinge);
+}
+
+/// In free flight what is in the middle of the bodies is in the middle of the picture.
+Vec3 BodyStage::shift(const Pose& pose) const { return ground_ ? Vec3{} : -1 * middle_of(pose); }
+
+Pose BodyStage::moved(Pose pose, const Vec3& by) const {
+  for (LinkPose& body : pose) body.centre_m = body.centre_m + by;
+  return pose;
+}
+
+std::vector<Vec3> BodyStage::extent() const {
+  std::vector<Vec3> points;
+  for (int k = 0; k < 48; ++k) {
+    const double angle = 2 * std::numbers::pi * k / 48;
+    for (const Vec3& side : {frame_.up, frame_.axis()}) {
+      points.push_back(frame_.hinge_m + reach_m_ * (std::cos(angle) * frame_.horizontal + std::sin(angle) * side));
+    }
+  }
+  return points;
+}
+
+bool BodyStage::inside(const Camera& camera, const Pose& pose) const {
+  const Pose seen = moved(pose, shift(pose));
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (!drawable(pose[i])) return false;
+    for (const Vec3& point : corners_of(seen[i], half(i))) {
+      const Pixel at = camera.project(point);
+      if (at.depth_m <= 0 || at.x < 0 || at.y < 0 || at.x > camera.width() || at.y > camera.height()) return false;
+    }
+  }
+  return true;
+}
+
+void BodyStage::add_body(Layer& layer, const Brush& brush, const Pose& pose, std::size_t body, double edge_px) const {
+  if (bodies_[body].shape == Shape::sphere) {
+    brush.sphere(layer, pose[body], radius(body), colour_in_turn(body), edge_px);
+  } else {
+    brush.box(layer, pose[body], half(body), colour_in_turn(body), edge_px);
+  }
+}
+
+void BodyStage::add_wires(Layer& layer, const Brush& brush, const Pose& pose, const Colour& colour, double px) const {
+  for (std::size_t i = 0; i < pose.size(); ++i) {
+    if (!drawable(pose[i])) continue;
+    if (bodies_[i].shape == Shape::sphere) {
+      brush.circles(layer, pose[i], radius(i), colour, px);
+    } else {
+      brush.wire(layer, pose[i], half(i), colour, px);
+    }
+  }
+}
+
+std::vector<Layer> BodyStage::layers(const Camera& camera, const Pose& pose, const Pose* outline) const {
+  const Vec3 towards_lamp = unit(0.55 * frame_.horizontal + 0.75 * frame_.axis() + 1.1 * frame_.up);
+  const Brush brush(camera, frame_.up, frame_.hinge_m + lamp_distance * reach_m_ * towards_lamp);
+  const double edge_px = edge_width_px(camera);
+  const Vec3 by = shift(pose);
+  const Pose seen = moved(pose, by);
+
+  std::vector<Layer> layers;
+  const bool above = ground_ && dot(camera.eye(), ground_->normal) > 0;  // from below, the ground would hide all
+  if (above && dot(ground_->normal, towards_lamp) > 0.1) {
+    std::vector<Quad> casters;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      if (!drawable(pose[i])) continue;
+      if (bodies_[i].shape == Shape::sphere) {
+        add_quads(casters, seen[i].centre_m, radius(i));
+      } else {
+        add_quads(casters, seen[i], half(i));
+      }
+    }
+    add_ground(layers, brush, camera, *ground_, reach_m_);
+    add_shadows(layers, casters, {ground_->normal, 0}, {}, towards_lamp);
+  }
+  Layer& solids = layers.emplace_back();
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (drawable(pose[i])) add_body(solids, brush, seen, i, edge_px);
+  }
+  if (outline != nullptr) {
+    const Pose second = moved(*outline, by);
+    add_outline(layers, edge_px,
+                [&](Layer& wires, const Colour& colour, double px) { add_wires(wires, brush, second, colour, px); });
+  }
+  return layers;
+}
+
+}  // namespace odeval::render
