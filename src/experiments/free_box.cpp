@@ -102,7 +102,8 @@ Section free_box(Laboratory& laboratory, Findings& findings) {
           fallen.y.push_back(*all.max_error_position);
         }
         if (step_s == file.step_s && !std::string_view(name).starts_with("ode-quickstep")) {
-          over_time.series.push_back(curve(name, run.trace.t, above_zero(run.trace.error_turn[0]), colour_of(name)));
+          over_time.series.push_back(curve(name, run.trace.t, above_zero(run.trace.error_turn[0]), colour_of(name),
+                                           std::string_view(name).ends_with("single")));
         }
       }
       if (which.tumbles && step_s == file.step_s) {

@@ -312,16 +312,16 @@ void a_chain_has_as_many_links_as_it_says() {
 }
 
 void a_ball_is_as_deep_as_wide() {
-  const std::string ball = replaced(single, "depth = 0.1", "shape = \"ball\"");
+  const std::string ball = replaced(single, "depth = 0.1", "shape = \"sphere\"");
   const Link& link = read(ball).links.at(0);
   CHECK_EQUAL(link.depth_m, link.width_m);
   CHECK_EQUAL(link.centre_m(), link.length_m);
   CHECK_EQUAL(link.beyond_centre_m(), 0.0);
   CHECK_NEAR(link.inertia_kgm2(), 0.4 * link.mass_kg * link.width_m * link.width_m / 4, 1e-18);
-  CHECK_THROWS(read(replaced(single, "depth = 0.1", "depth = 0.2\nshape = \"ball\"")), UserError,
+  CHECK_THROWS(read(replaced(single, "depth = 0.1", "depth = 0.2\nshape = \"sphere\"")), UserError,
                "links.0.depth = 0.2: must be left out or be the width: the link is a ball");
-  CHECK_THROWS(with(ball, "links.0.shape", "\"egg\""), UserError, "links.0.shape must be one of box, ball");
-  CHECK_THROWS(with(wall, "links.0.shape", "\"ball\""), UserError, "links.0.shape must be box for wall_pendulum");
+  CHECK_THROWS(with(ball, "links.0.shape", "\"egg\""), UserError, "links.0.shape must be one of box, sphere");
+  CHECK_THROWS(with(wall, "links.0.shape", "\"sphere\""), UserError, "links.0.shape must be box for wall_pendulum");
 }
 
 void missing_keys_are_named() {
