@@ -10,7 +10,6 @@ namespace odeval::catalogue {
 namespace {
 
 constexpr double widest_spacing_s = 0.05;
-constexpr double atol_over_rtol = 1e-3;
 
 Scenario until(Scenario scenario, double until_s) {
   const double spacing = until_s / std::max(1.0, std::ceil(until_s / widest_spacing_s - 1e-9));

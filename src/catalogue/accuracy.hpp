@@ -14,6 +14,8 @@ enum class Knob {
   none,
 };
 
+inline constexpr double atol_over_rtol = 1e-3;
+
 Knob knob_of(const Method& method);
 std::string_view knob_name(Knob knob);  // "h", "rtol", ""
 

@@ -18,6 +18,7 @@ constexpr std::array table{
     Command{"sweep", "a grid of settings in every method, on every core; stopped, it goes on where it was",
             attach_sweep},
     Command{"merge", "the shards of one sweep as one table", attach_merge},
+    Command{"recommend", "the cheapest settings that keep an error, and the runs that prove it", attach_recommend},
     Command{"snapshot", "pictures of poses: single, on a sheet, or the run as a film", attach_snapshot},
     Command{"check", "every tolerance of the scenario files; exit status 1 if one fails", attach_check},
     Command{"compare", "two folders of results: same bytes, same within uncertainty, or different (exit 1)",

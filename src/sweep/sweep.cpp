@@ -164,6 +164,8 @@ class Sweep {
       mend(worker, busy ? std::optional(task) : std::nullopt);
     } else if (answer->kind == Answer::Kind::refused) {
       throw UserError(answer->text);
+    } else if (answer->kind == Answer::Kind::broken) {
+      throw MachineError(answer->text);
     } else if (answer->kind == Answer::Kind::failed) {
       settle(task, failure(Status::crashed, task, answer->text));
     } else {

@@ -28,6 +28,10 @@ constexpr std::size_t longest_reason = 1000;
 
 [[noreturn]] void fail(const std::string& what) { throw MachineError("sweep: " + what + ": " + std::strerror(errno)); }
 
+[[noreturn]] void fail_shared() {
+  throw SharedError(std::string("sweep: no memory for what workers share: ") + std::strerror(errno));
+}
+
 void put(std::string& message, const std::string& text) {
   const std::size_t size = text.size();
   message.append(reinterpret_cast<const char*>(&size), sizeof size);
@@ -89,6 +93,9 @@ Answer do_task(const Work& work, const std::vector<Shared>& shared, const Task& 
     } else {
       place.with([&](std::string_view prepared) { answer.row = work.run(task.run, task.group, prepared); });
     }
+  } catch (const SharedError& error) {
+    answer.kind = Answer::Kind::broken;
+    answer.text = error.what();
   } catch (const UserError& error) {
     answer.kind = Answer::Kind::refused;
     answer.text = error.what();
@@ -143,7 +150,7 @@ bool raised_by_itself(int signal) {
 }  // namespace
 
 Shared::Shared() : descriptor_(::memfd_create("sweep", MFD_CLOEXEC)) {
-  if (descriptor_ < 0) fail("no shared memory");
+  if (descriptor_ < 0) fail_shared();
 }
 
 Shared::~Shared() { ::close(descriptor_); }
@@ -154,22 +161,22 @@ void Shared::fill(std::string_view bytes) const {
   while (!bytes.empty()) {
     const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) fail("shared memory");
+    if (written <= 0) fail_shared();
     bytes.remove_prefix(static_cast<std::size_t>(written));
   }
 }
 
 void Shared::clear() const {
-  if (::ftruncate(descriptor_, 0) != 0) fail("shared memory");
+  if (::ftruncate(descriptor_, 0) != 0) fail_shared();
 }
 
 void Shared::with(const std::function<void(std::string_view bytes)>& use) const {
   struct stat status {};
-  if (::fstat(descriptor_, &status) != 0) fail("shared memory");
+  if (::fstat(descriptor_, &status) != 0) fail_shared();
   const auto size = static_cast<std::size_t>(status.st_size);
   if (size == 0) return use({});
   void* const bytes = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, descriptor_, 0);
-  if (bytes == MAP_FAILED) fail("shared memory");
+  if (bytes == MAP_FAILED) fail_shared();
   struct Unmap {
     void* bytes;
     std::size_t size;

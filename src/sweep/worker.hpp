@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "odeval/error.hpp"
 #include "sweep/journal.hpp"
 
 namespace odeval::sweep {
@@ -22,7 +23,7 @@ struct Work {
   std::function<Row(long run, long group, std::string_view prepared)> run;
 };
 
-/// Memory that outlives the worker that fills it and that all workers see.
+/// Memory that outlives the worker that fills it and that all workers see. Throws SharedError.
 class Shared {
  public:
   Shared();
@@ -40,6 +41,11 @@ class Shared {
   int descriptor_;
 };
 
+class SharedError : public MachineError {
+ public:
+  using MachineError::MachineError;
+};
+
 struct Task {
   enum class Kind : int { prepare, run };
   Kind kind = Kind::run;
@@ -50,7 +56,12 @@ struct Task {
 
 /// What came of a task.
 struct Answer {
-  enum class Kind : char { done, failed, refused };
+  enum class Kind : char {
+    done,
+    failed,   // the run or the preparation is to blame
+    refused,  // bad input
+    broken,   // the machine cannot do sweeps
+  };
   Kind kind = Kind::done;
   Row row;           // of a run that was done
   std::string text;  // why not

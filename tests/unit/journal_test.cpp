@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 constexpr long runs = 6;
 
 Head head(const std::string& settings = "duration = 1.0\n") {
-  return {"pendulum",        {},      {{"ode.erp", {"0.1", "0.2", "[1.0,\t2]"}}, {"method", {"a", "b"}}},
+  return {"pendulum",         {},       {{"ode.erp", {"0.1", "0.2", "[1.0,\t2]"}}, {"method", {"a", "b"}}},
           {"steps", "error"}, settings, "odeval 1\node 2\n"};
 }
 

@@ -1,0 +1,274 @@
+// odeval recommend: the cheapest settings that keep an error, and the runs that prove it.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <limits>
+
+#include "catalogue/accuracy.hpp"
+#include "catalogue/timing.hpp"
+#include "cli/commands.hpp"
+#include "cli/progress.hpp"
+#include "cli/settings.hpp"
+#include "odeval/error.hpp"
+#include "output/file.hpp"
+#include "output/number.hpp"
+#include "output/table.hpp"
+
+namespace odeval::cli {
+namespace {
+
+struct Options {
+  std::string scenario;
+  std::vector<std::string> methods;
+  Settings settings;
+  double max_error = 0;
+  double until = 0;
+  double max_energy_drift = std::numeric_limits<double>::infinity();
+  std::string out = "results";
+  bool quiet = false;
+};
+
+constexpr long most_steps_of_a_search = 1'000'000;
+constexpr int timed_rounds = 5;
+// A first-order method whose error between the rows of the search is a little larger needs one or two more of these.
+constexpr int most_attempts = 12;
+constexpr double finer = 0.85;
+
+/// A method with settings that were tried, as `odeval run` would do it.
+struct Candidate {
+  const catalogue::Method* method = nullptr;
+  Start start = Start::as_given;
+  double setting = 0;  // of its knob
+  std::unique_ptr<catalogue::Evaluator> evaluator{};
+  double error = std::numeric_limits<double>::infinity();
+  double doubt = 0;
+  double drift = std::numeric_limits<double>::infinity();
+  long steps = 0;
+  std::string why_not{};  // empty: it keeps the budget
+  double median_s = 0;
+  double mad_s = 0;
+};
+
+/// What has to be typed for that run.
+std::string command_of(const Candidate& candidate, const Options& options) {
+  std::string command = fmt::format("odeval run {} --method {} --duration {}", options.scenario, candidate.method->name,
+                                    number_text(options.until));
+  switch (catalogue::knob_of(*candidate.method)) {
+    case catalogue::Knob::step:
+      command += " --step " + number_text(candidate.setting);
+      break;
+    case catalogue::Knob::rtol:
+      command += fmt::format(" --rtol {} --atol {}", number_text(candidate.setting),
+                             number_text(candidate.setting * catalogue::atol_over_rtol));
+      break;
+    case catalogue::Knob::none:
+      break;
+  }
+  if (candidate.start == Start::half_step) command += " --start half-step";
+  for (const Override& setting : options.settings.overrides()) {
+    if (setting.key == "step" || setting.key == "duration" || setting.key == "rtol" || setting.key == "atol") continue;
+    command += setting.origin == "--set" ? fmt::format(" --set '{}={}'", setting.key, setting.value)
+                                         : fmt::format(" {} {}", setting.origin, setting.value);
+  }
+  return command;
+}
+
+class Search {
+ public:
+  Search(const Options& options, Scenario scenario) : options_(options), scenario_(std::move(scenario)) {}
+
+  Candidate cheapest(const catalogue::Method& method, Start start) const {
+    Candidate candidate;
+    candidate.method = &method;
+    candidate.start = start;
+    Scenario scenario = scenario_;
+    scenario.ode.start = start;
+    const catalogue::Accuracy accuracy(scenario, options_.until);
+    const catalogue::Search found = accuracy.cheapest(method, options_.max_error, most_steps_of_a_search);
+    if (!found.reached) {
+      candidate.setting = found.trial.setting;
+      candidate.error = found.trial.error;
+      candidate.doubt = found.trial.doubt;
+      candidate.steps = found.trial.steps;
+      candidate.why_not = found.why_not;
+      return candidate;
+    }
+    // The search looked at rows 0.05 s apart; what counts is the run as the user will have it.
+    candidate.setting = found.trial.setting;
+    for (int attempt = 0;; ++attempt) {
+      run(candidate, scenario);
+      if (keeps(candidate)) return candidate;
+      if (attempt == most_attempts || catalogue::knob_of(method) == catalogue::Knob::none) break;
+      candidate.setting *= attempt < most_attempts / 2 ? finer : finer * finer * finer;
+    }
+    candidate.why_not = candidate.error + candidate.doubt > options_.max_error ? "the error between the rows is larger"
+                                                                               : "the energy drifts more";
+    return candidate;
+  }
+
+ private:
+  void run(Candidate& candidate, Scenario scenario) const {
+    scenario.duration_s = options_.until;
+    scenario.tolerances.clear();
+    switch (catalogue::knob_of(*candidate.method)) {
+      case catalogue::Knob::step:
+        scenario.step_s = candidate.setting;
+        break;
+      case catalogue::Knob::rtol:
+        scenario.rtol = candidate.setting;
+        scenario.atol = candidate.setting * catalogue::atol_over_rtol;
+        break;
+      case catalogue::Knob::none:
+        break;
+    }
+    candidate.evaluator = std::make_unique<catalogue::Evaluator>(std::move(scenario));
+    const catalogue::Evaluation done = candidate.evaluator->evaluate(*candidate.method);
+    const SampleGrid& rows = candidate.evaluator->grid();
+    const Metrics metrics = candidate.evaluator->measure(done, rows.time(rows.rows - 1));
+    candidate.error = metrics.max_error_q.value_or(std::numeric_limits<double>::infinity());
+    candidate.doubt = metrics.reference_uncertainty.value_or(0);
+    candidate.drift = metrics.max_energy_drift;
+    candidate.steps = done.outcome.steps;
+  }
+
+  bool keeps(const Candidate& candidate) const {
+    return candidate.error + candidate.doubt <= options_.max_error && candidate.drift <= options_.max_energy_drift;
+  }
+
+  const Options& options_;
+  Scenario scenario_;
+};
+
+void time_them(std::vector<Candidate>& candidates, Progress& progress) {
+  std::vector<catalogue::TimedRun> runs;
+  std::vector<Candidate*> timed;
+  for (Candidate& candidate : candidates) {
+    if (!candidate.why_not.empty()) continue;
+    runs.push_back({candidate.evaluator.get(), candidate.method, 0, 0, {}});
+    timed.push_back(&candidate);
+  }
+  progress.next("timing");
+  catalogue::time_in_turns(runs, timed_rounds);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    timed[i]->median_s = runs[i].median_s();
+    timed[i]->mad_s = runs[i].mad_s();
+  }
+}
+
+std::string setting_text(const Candidate& candidate) {
+  const std::string knob(knob_name(catalogue::knob_of(*candidate.method)));
+  std::string text = knob.empty() ? "-" : knob + " = " + three_digits(candidate.setting);
+  if (candidate.start == Start::half_step) text += ", half-step start";
+  return text;
+}
+
+std::string table_csv(const std::vector<Candidate>& candidates, const Options& options) {
+  std::string text =
+      "method,start,knob,setting,max_error_q,reference_uncertainty,max_energy_drift,steps,median_s,mad_s,keeps,why_not,"
+      "command\n";
+  for (const Candidate& candidate : candidates) {
+    const bool keeps = candidate.why_not.empty();
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},\"{}\"\n", candidate.method->name,
+                        candidate.start == Start::half_step ? "half-step" : "as-given",
+                        knob_name(catalogue::knob_of(*candidate.method)), number_text(candidate.setting),
+                        number_text(candidate.error), number_text(candidate.doubt), number_text(candidate.drift),
+                        candidate.steps, keeps ? number_text(candidate.median_s) : "",
+                        keeps ? number_text(candidate.mad_s) : "", keeps ? 1 : 0, candidate.why_not,
+                        command_of(candidate, options));
+  }
+  return text;
+}
+
+int recommend(const Options& options) {
+  const Scenario scenario = options.settings.read(options.scenario);
+  if (scenario.family() != Family::pendulum) {
+    throw UserError(options.scenario + ": errors are looked for in angles, and problem '" +
+                    std::string(scenario.problem->name) + "' has none; 'odeval sweep' takes any error");
+  }
+  const auto methods = chosen_methods(options.methods, scenario);
+  const double doubt = catalogue::Accuracy(scenario, options.until).doubt();
+  if (doubt > options.max_error) {
+    throw UserError(fmt::format("--max-error {}: must be above what the reference of '{}' knows until {} s, {} rad",
+                                number_text(options.max_error), scenario.name, number_text(options.until),
+                                number_text(doubt)));
+  }
+
+  std::vector<Candidate> candidates;
+  {
+    Progress progress(methods.size() + 1, options.quiet);
+    const Search search(options, scenario);
+    for (const catalogue::Method* method : methods) {
+      progress.next(scenario.name + " " + std::string(method->name));
+      candidates.push_back(search.cheapest(*method, scenario.ode.start));
+      if (method->settings == catalogue::Settings::ode && scenario.ode.start != Start::half_step) {
+        candidates.push_back(search.cheapest(*method, Start::half_step));
+      }
+    }
+    time_them(candidates, progress);
+  }
+  std::ranges::stable_sort(candidates, [](const Candidate& a, const Candidate& b) {
+    if (a.why_not.empty() != b.why_not.empty()) return a.why_not.empty();
+    return a.why_not.empty() ? a.median_s < b.median_s : a.error < b.error;
+  });
+  const auto file = std::filesystem::path(options.out) / "recommend" / (scenario.name + ".csv");
+  write_whole(file, table_csv(candidates, options));
+
+  const bool any = candidates.front().why_not.empty();
+  if (!options.quiet) {
+    const std::string budget =
+        fmt::format("an error of at most {} rad{} until {} s", number_text(options.max_error),
+                    std::isfinite(options.max_energy_drift)
+                        ? fmt::format(" and an energy drift of at most {} J", number_text(options.max_energy_drift))
+                        : "",
+                    number_text(options.until));
+    TextTable table("llrrrrrl", {"method", "setting", "error, rad", "drift, J", "steps", "median, ms", "±", ""});
+    for (const Candidate& c : candidates) {
+      const bool keeps = c.why_not.empty();
+      table.add({std::string(c.method->name), setting_text(c), with_uncertainty(c.error, c.doubt),
+                 std::isfinite(c.drift) ? three_digits(c.drift) : "-", std::to_string(c.steps),
+                 keeps ? three_digits(1e3 * c.median_s) : "-", keeps ? three_digits(1e3 * c.mad_s) : "-",
+                 keeps ? "" : "no: " + c.why_not});
+    }
+    std::cout << scenario.name << ": what keeps " << budget << ", cheapest first\n\n" << table.text() << '\n';
+    if (!any) {
+      std::cout << "none does\n";
+    } else {
+      std::cout << "cheapest:      " << command_of(candidates.front(), options) << '\n';
+      const auto engine = std::ranges::find_if(
+          candidates, [](const Candidate& c) { return c.why_not.empty() && c.method->name.starts_with("ode-"); });
+      if (engine != candidates.end() && engine != candidates.begin()) {
+        std::cout << "cheapest ODE:  " << command_of(*engine, options) << '\n';
+      }
+    }
+    std::cout
+        << "\nErrors are over every step of a run as the command does it; CPU time of the stepping alone, methods in "
+           "turn.\nwrote "
+        << file.string() << '\n';
+  }
+  return any ? 0 : 1;
+}
+
+}  // namespace
+
+Action attach_recommend(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  app.add_option("SCENARIO", options->scenario, "a name ('odeval list') or a .toml file")->required();
+  app.add_option("--max-error", options->max_error, "largest angle error allowed, rad")
+      ->type_name("E")
+      ->required()
+      ->check(CLI::Range(1e-15, 1.0));
+  app.add_option("--until", options->until, "until when, s")->type_name("T")->required()->check(CLI::Range(1e-3, 1e4));
+  app.add_option("--max-energy-drift", options->max_energy_drift, "largest difference from the energy at t = 0, J")
+      ->type_name("D")
+      ->check(CLI::Range(1e-15, 1e15));
+  add_method_option(app, options->methods);
+  add_out_option(app, options->out);
+  app.add_flag("--quiet", options->quiet, "no table, no progress");
+  options->settings.attach(app);
+  return [options] { return recommend(*options); };
+}
+
+}  // namespace odeval::cli
