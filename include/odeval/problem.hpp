@@ -43,7 +43,8 @@ struct Problem {
   bool wall;
   PlanarFrame frame;
   Family family = Family::pendulum;
-  bool ground = false;  // of bodies: whether there is something to lie on
+  bool ground = false;    // of bodies: whether there is something to lie on
+  bool friction = false;  // of a ground: whether it holds what slides on it
 };
 
 /// Report C.2: boxes hang along -z of their own frame and turn about x.
@@ -56,12 +57,16 @@ inline constexpr PlanarFrame lying_frame{{1, 0, 3}, {1, 0, 0}, {0, 0, 1}, {0, 1,
 inline constexpr PlanarFrame body_frame{{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {0, 1, 0}, {0, 0, 1}, {1, 0, 0}, 0};
 
 /// The one table of problems; everything that names a problem reads it.
-inline constexpr std::array<Problem, 4> problems{{
+inline constexpr std::array<Problem, 6> problems{{
     {"single_pendulum", "one link on one hinge; closed form in elliptic functions", 1, false, hanging_frame},
     {"double_pendulum", "two links on two hinges; chaotic", 2, false, hanging_frame},
     {"wall_pendulum", "one link that swings against a wall; closed form between impacts", 1, true, lying_frame},
     {"free_box", "bodies that nothing touches; closed form in elliptic functions", 0, false, body_frame,
      Family::bodies},
+    {"bouncing_ball", "balls that fall on the ground, and rest at last; closed form", 0, false, body_frame,
+     Family::bodies, true},
+    {"friction_slide", "a box that slides on the ground until friction holds it; closed form", 0, false, body_frame,
+     Family::bodies, true, true},
 }};
 
 }  // namespace odeval

@@ -24,6 +24,8 @@ Section denavit_hartenberg(Laboratory& laboratory, Findings& findings);
 Section single_pendulum(Laboratory& laboratory, Findings& findings);
 Section coordinates(Laboratory& laboratory, Findings& findings);
 Section feedback_term(Laboratory& laboratory, Findings& findings);
+Section friction(Laboratory& laboratory, Findings& findings);
+Section bouncing_ball(Laboratory& laboratory, Findings& findings);
 Section remedy(Laboratory& laboratory, Findings& findings);
 
 }  // namespace odeval::experiments

@@ -24,6 +24,8 @@ constexpr std::array table{
     Experiment{"single-pendulum", "Was the double pendulum a good choice?", single_pendulum},
     Experiment{"coordinates", "Cartesian or generalized coordinates?", coordinates},
     Experiment{"feedback-term", "What the feedback term keeps together", feedback_term},
+    Experiment{"friction", "Friction: pyramid, constant force and Coulomb", friction},
+    Experiment{"bouncing-ball", "A ball that bounces, and rests", bouncing_ball},
     Experiment{"remedy", "A fourth-order step beside ODE's collision detection", remedy},
 };
 // clang-format on
