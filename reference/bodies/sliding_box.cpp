@@ -211,9 +211,9 @@ class SlidingBox final : public BodyMotion {
     const bool held = dot(body_.velocity_m_s, body_.velocity_m_s) == 0 && hold >= pull;
     const double friction = held ? pull : hold;
     if (friction * half > press * side) {
-      fail(scenario, fmt::format("ground.friction could tip the box; this one stays flat up to {:.6g} {}",
+      fail(scenario, fmt::format("ground.friction could tip the box; this one stays flat up to {:.6g}{}",
                                  ground_.friction * press * side / (friction * half),
-                                 ground_.friction_model == FrictionModel::constant ? "N" : ""));
+                                 ground_.friction_model == FrictionModel::constant ? " N" : ""));
     }
   }
 
