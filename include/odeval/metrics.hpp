@@ -9,6 +9,9 @@ namespace odeval {
 /// An angle error above this counts as lost.
 inline constexpr double divergence_rad = 0.1;
 
+/// A body on a ground that moves no faster counts as resting.
+inline constexpr double rest_m_s = 1e-3;
+
 /// All metrics of one trace up to one time. An optional is empty where the metric has no meaning.
 struct Metrics {
   double until_s = 0;
@@ -31,6 +34,8 @@ struct Metrics {
   std::optional<double> max_angular_momentum_drift;  // N m s
   std::optional<double> max_long_axis_spin;          // rad/s
   std::optional<double> spin_uncertainty;
+  std::optional<double> max_penetration;             // m
+  std::optional<double> rest_time;                   // s, from when on no body on a ground moves faster than rest_m_s
 };
 
 struct MetricRow {
@@ -61,6 +66,8 @@ inline constexpr MetricRow metric_rows[] = {
   {"max_angular_momentum_drift", "N m s", "largest change of the angular momentum about the centres", [](const Metrics& m) { return m.max_angular_momentum_drift; }},
   {"max_long_axis_spin",    "rad/s", "largest spin about a body's longest side that the reference does not have", [](const Metrics& m) { return m.max_long_axis_spin; }, "spin_uncertainty"},
   {"spin_uncertainty",      "rad/s", "bound on the error of the reference's own spin", [](const Metrics& m) { return m.spin_uncertainty; }},
+  {"max_penetration",       "m",   "deepest overlap of a body with the ground",        [](const Metrics& m) { return m.max_penetration; }},
+  {"rest_time",             "s",   "from when on no body on a ground moves faster than 1 mm/s", [](const Metrics& m) { return m.rest_time; }},
 };
 // clang-format on
 

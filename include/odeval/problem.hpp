@@ -43,7 +43,8 @@ struct Problem {
   bool wall;
   PlanarFrame frame;
   Family family = Family::pendulum;
-  bool ground = false;  // of bodies: whether there is something to lie on
+  bool ground = false;    // of bodies: whether there is something to lie on
+  bool friction = false;  // of a ground: whether it holds what slides on it
 };
 
 /// Report C.2: boxes hang along -z of their own frame and turn about x.
@@ -68,6 +69,10 @@ inline constexpr std::array problems{
             Family::bodies},
     Problem{"thin_body", "bodies that nothing touches, as thin as wanted; closed form in elliptic functions", 0, false,
             body_frame, Family::bodies},
+    Problem{"bouncing_ball", "balls that fall on the ground, and rest at last; closed form", 0, false, body_frame,
+            Family::bodies, true},
+    Problem{"friction_slide", "a box that slides on the ground until friction holds it; closed form", 0, false,
+            body_frame, Family::bodies, true, true},
 };
 
 }  // namespace odeval

@@ -69,10 +69,18 @@ struct Body {
   }
 };
 
+/// What bounds the force of friction on a body.
+enum class FrictionModel {
+  pyramid,   // a coefficient times the normal force (ODE's dContactApprox1)
+  constant,  // a force, whatever the normal force is
+};
+
 /// A plane through the origin that falls towards +x, and that nothing passes.
 struct Ground {
   double slope_rad = 0;
   double restitution = 0;
+  double friction = 0;  // a coefficient; in the constant-force model newtons, of a whole body
+  FrictionModel friction_model = FrictionModel::pyramid;
 
   /// Unit, away from what is solid.
   Vec3 normal() const { return {std::sin(slope_rad), 0, std::cos(slope_rad)}; }
@@ -87,6 +95,9 @@ struct Wall {
 
 enum class Start { as_given, half_step };
 
+/// Along what the two forces of a contact's friction act: ODE's own choice, or the way the contact slides and across.
+enum class FrictionAxes { plane_space, sliding };
+
 /// ODE's own settings. Every one is set explicitly in each world, so no default of a build shows through.
 struct OdeSettings {
   double erp = 0.2;
@@ -97,6 +108,7 @@ struct OdeSettings {
   double bounce_vel = 0;
   double max_correcting_vel = std::numeric_limits<double>::infinity();
   double surface_layer = 0;
+  FrictionAxes friction_axes = FrictionAxes::plane_space;
   Start start = Start::as_given;
   std::uint32_t seed = 0;
   bool gyroscopic = true;  // the torque -w x (I w) of a tumbling body

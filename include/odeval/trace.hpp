@@ -31,6 +31,7 @@ struct Trace {
   std::vector<Column> error_turn;      // a column a body, rad, angle between its attitude and the reference's
   Column angular_momentum_drift;       // N m s, |L - L at t = 0|, each body about its centre; empty where torques act
   std::vector<Column> long_axis_spin;  // a column a body, rad/s, about its longest side (a link's length)
+  Column penetration;                  // m, deepest overlap of a body with the ground; empty without one
   Column contacts;                     // contact joints in the step that led to the row
   Column condition;                    // 1-norm condition number of the matrix that the formulation inverts
   Column manipulability;               // least over largest eigenvalue of J^T J of the chain's end (report D.4)

@@ -4,7 +4,9 @@
 #include <array>
 
 #include "odeval/error.hpp"
+#include "reference/bodies/bouncing_ball.hpp"
 #include "reference/bodies/free_bodies.hpp"
+#include "reference/bodies/sliding_box.hpp"
 
 namespace odeval::reference {
 namespace {
@@ -18,6 +20,8 @@ struct MotionRow {
 constexpr std::array motions{
     MotionRow{"free_box", make_free_bodies},
     MotionRow{"thin_body", make_free_bodies},
+    MotionRow{"bouncing_ball", make_bouncing_balls},
+    MotionRow{"friction_slide", make_sliding_box},
 };
 
 }  // namespace

@@ -31,6 +31,9 @@ class BodyMotion {
   /// Of the first body with the ground, up to a time.
   virtual std::vector<Impact> impacts(double) const { return {}; }
 
+  /// From when on the first body rests on the ground, s; < 0: never.
+  virtual double at_rest_from() const { return -1; }
+
   /// In a few words, for tables and summaries.
   virtual std::string described() const = 0;
 };

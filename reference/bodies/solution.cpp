@@ -25,6 +25,7 @@ class BodyAnalytic final : public Simulation {
     }
     outcome.steps = grid_.rows - 1;
     outcome.impacts = motion_->impacts(grid_.time(grid_.rows - 1));
+    outcome.at_rest_from = motion_->at_rest_from();
     return outcome;
   }
 
@@ -69,6 +70,7 @@ Reference solve_body_reference(const Scenario& scenario, const SampleGrid& grid)
     reference.uncertainty_spin.push_back(doubt.spin_rad_s);
   }
   reference.impacts = motion->impacts(grid.time(grid.rows - 1));
+  reference.at_rest_from = motion->at_rest_from();
   reference.described = motion->described();
   return reference;
 }

@@ -122,7 +122,7 @@ template <class Way, class Value>
 requires std::is_same_v<std::remove_const_t<Value>, Trace>
 void pass(Way& way, Value& trace) {
   auto& [t, q, qd, kinetic, potential, gap, out_of_plane, error_q, error_position, error_turn, angular_momentum_drift,
-         long_axis_spin, contacts, condition, manipulability, bodies] = trace;
+         long_axis_spin, penetration, contacts, condition, manipulability, bodies] = trace;
   pass(way, t);
   pass(way, q);
   pass(way, qd);
@@ -135,6 +135,7 @@ void pass(Way& way, Value& trace) {
   pass(way, error_turn);
   pass(way, angular_momentum_drift);
   pass(way, long_axis_spin);
+  pass(way, penetration);
   pass(way, contacts);
   pass(way, condition);
   pass(way, manipulability);

@@ -38,11 +38,14 @@ void add_ground(Scene& scene, const Scenario& scenario) {
   const Vec3 normal = scenario.ground->normal();
   dCreatePlane(scene.space(), real(normal[0]), real(normal[1]), real(normal[2]), 0);
 
-  dSurfaceParameters surface{};
-  surface.mode = dContactBounce;
-  surface.mu = 0;
-  surface.bounce = real(scenario.ode.bounce.value_or(scenario.restitution()));
-  surface.bounce_vel = real(scenario.ode.bounce_vel);
+  Surface surface;
+  surface.parameters.mode = dContactBounce;
+  surface.parameters.bounce = real(scenario.ode.bounce.value_or(scenario.restitution()));
+  surface.parameters.bounce_vel = real(scenario.ode.bounce_vel);
+  surface.parameters.mu = real(scenario.ground->friction);
+  surface.shared = scenario.ground->friction_model == FrictionModel::constant;
+  if (!surface.shared) surface.parameters.mode |= dContactApprox1;
+  surface.along_sliding = scenario.ode.friction_axes == FrictionAxes::sliding;
   scene.set_surface(surface);
 }
 

@@ -90,11 +90,11 @@ void add_wall(Scene& scene, const Scenario& scenario) {
   const dGeomID wall = dCreateBox(scene.space(), real(thickness), real(depth), real(height));
   dGeomSetPosition(wall, real(scenario.wall->face_m - thickness / 2), 0, 0);
 
-  dSurfaceParameters surface{};
-  surface.mode = dContactBounce;
-  surface.mu = 0;  // C.5 leaves it unset; the scenario's wall has no friction
-  surface.bounce = real(scenario.ode.bounce.value_or(scenario.restitution()));
-  surface.bounce_vel = real(scenario.ode.bounce_vel);
+  Surface surface;
+  surface.parameters.mode = dContactBounce;
+  surface.parameters.mu = 0;  // C.5 leaves it unset; the scenario's wall has no friction
+  surface.parameters.bounce = real(scenario.ode.bounce.value_or(scenario.restitution()));
+  surface.parameters.bounce_vel = real(scenario.ode.bounce_vel);
   scene.set_surface(surface);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "engine_ode/library.hpp"
 
@@ -10,6 +11,27 @@ namespace {
 
 /// ODE's own word for "no limit".
 dReal real_or_infinity(double value) { return std::isinf(value) ? dInfinity : real(value); }
+
+/// The first direction of friction along the way the contact slides, where it slides at all.
+void lay_along_sliding(dContact& contact, dBodyID body1, dBodyID body2) {
+  const dReal* const p = contact.geom.pos;
+  const dReal* const n = contact.geom.normal;
+  Vec3 slip{};
+  for (const auto& [body, sign] : {std::pair{body1, 1.0}, std::pair{body2, -1.0}}) {
+    if (body == nullptr) continue;
+    dVector3 velocity;
+    dBodyGetPointVel(body, p[0], p[1], p[2], velocity);
+    for (std::size_t k = 0; k < 3; ++k) slip[k] += sign * static_cast<double>(velocity[k]);
+  }
+  const Vec3 normal{n[0], n[1], n[2]};
+  const double away = dot(slip, normal);
+  for (std::size_t k = 0; k < 3; ++k) slip[k] -= away * normal[k];
+  const double speed = std::sqrt(dot(slip, slip));
+  constexpr double noticeable = 1e-9;  // m/s; slower, the direction is rounding
+  if (speed < noticeable) return;
+  contact.surface.mode |= dContactFDir1;
+  for (std::size_t k = 0; k < 3; ++k) contact.fdir1[k] = real(slip[k] / speed);
+}
 
 }  // namespace
 
@@ -102,8 +124,10 @@ void Scene::near_callback(void* data, dGeomID first, dGeomID second) {
   const int count = dCollide(first, second, most, found, sizeof(dContactGeom));
   for (int i = 0; i < count; ++i) {
     dContact contact{};
-    contact.surface = scene.surface_;
+    contact.surface = scene.surface_.parameters;
     contact.geom = found[i];
+    if (scene.surface_.shared) contact.surface.mu /= real(count);
+    if (scene.surface_.along_sliding) lay_along_sliding(contact, body1, body2);
     const dJointID joint = dJointCreateContact(scene.world_, scene.contact_group_, &contact);
     dJointAttach(joint, body1, body2);
     scene.depth_ = std::max(scene.depth_, static_cast<double>(found[i].depth));

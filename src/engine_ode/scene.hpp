@@ -20,6 +20,13 @@ struct BodyView {
   const dReal* joint_force;  // of the body's joint on the body; null: it has none
 };
 
+/// What a contact is like.
+struct Surface {
+  dSurfaceParameters parameters{};
+  bool shared = false;         // mu is a force that the contacts of two geoms have together
+  bool along_sliding = false;  // friction acts along the way a contact slides, and across
+};
+
 /// Owns a world with its bodies, joints and space; what they are, its builders say (pendulum_scene.hpp,
 /// body_scene.hpp). Pinned in memory: ODE keeps pointers to it.
 class Scene {
@@ -38,8 +45,8 @@ class Scene {
   dBodyID add_body(const dMass& mass, dGeomID geom);
   /// Shows the body to those who record; `joint` is the one whose force they see, null: none.
   void show(dBodyID body, dJointID joint);
-  /// What touches what: nothing does unless a builder says how.
-  void set_surface(const dSurfaceParameters& surface) { surface_ = surface; }
+  /// How all that touches does so.
+  void set_surface(const Surface& surface) { surface_ = surface; }
 
   /// Finds the contacts of the current pose and makes a joint of each; they act in the next step.
   void collide();
@@ -62,8 +69,8 @@ class Scene {
   dJointGroupID contact_group_ = nullptr;
   std::vector<BodyView> bodies_;
   std::vector<std::unique_ptr<dJointFeedback>> feedback_;  // ODE keeps pointers to them
-  dSurfaceParameters surface_{};
   bool gyroscopic_ = true;
+  Surface surface_;
   int contacts_ = 0;
   double depth_ = 0;
 };

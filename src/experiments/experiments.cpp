@@ -33,6 +33,8 @@ constexpr std::array table{
     Experiment{"feedback-term", "What the feedback term keeps together", feedback_term},
     Experiment{"free-box", "A free box: Gazebo's boxes benchmark", free_box},
     Experiment{"thin-body", "Long thin bodies and their long axis", thin_body},
+    Experiment{"friction", "Friction: pyramid, constant force and Coulomb", friction},
+    Experiment{"bouncing-ball", "A ball that bounces, and rests", bouncing_ball},
     Experiment{"remedy", "A fourth-order step beside ODE's collision detection", remedy},
     Experiment{"iftomm", "The pendulum of the IFToMM benchmark", iftomm},
     Experiment{"potra", "Two points against a wall (Potra et al. 2006)", potra},

@@ -29,6 +29,19 @@ Turning turning(const Vec3& moments, const BodyState& body) {
   return turning;
 }
 
+/// How far a body reaches into the ground; < 0: above it.
+double overlap(const Body& what, const BodyState& body, const Vec3& normal) {
+  double reach = what.size_m[0] / 2;
+  if (what.shape == Shape::box) {
+    reach = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const Vec3 direction{body.rotation[axis], body.rotation[3 + axis], body.rotation[6 + axis]};
+      reach += what.size_m[axis] / 2 * std::fabs(dot(direction, normal));
+    }
+  }
+  return reach - dot(normal, vec(body.position));
+}
+
 double distance(const Vec3& a, const Vec3& b) {
   const Vec3 between{a[0] - b[0], a[1] - b[1], a[2] - b[2]};
   return std::sqrt(dot(between, between));
@@ -49,7 +62,7 @@ Trace body_trace(const Scenario& scenario, const SampleGrid& grid, const Rows& r
   Trace trace;
   resize_bodies(trace, count, rows.count());
   for (Column* column : {&trace.t, &trace.kinetic, &trace.potential, &trace.contacts}) column->resize(rows.count());
-  if (torque_free) trace.angular_momentum_drift.resize(rows.count());
+  (torque_free ? trace.angular_momentum_drift : trace.penetration).resize(rows.count());
   trace.long_axis_spin.assign(count, Column(rows.count()));
 
   std::vector<Vec3> start(count);
@@ -66,6 +79,9 @@ Trace body_trace(const Scenario& scenario, const SampleGrid& grid, const Rows& r
       if (k == 0) start[i] = turned.momentum;
       if (torque_free) trace.angular_momentum_drift[k] += distance(turned.momentum, start[i]);
       trace.long_axis_spin[i][k] = spin_along(body, what.long_axis());
+      if (!torque_free) {
+        trace.penetration[k] = std::fmax(trace.penetration[k], overlap(what, body, scenario.ground->normal()));
+      }
       store_body(trace.bodies[i], k, body);
     }
     trace.contacts[k] = rows.row(k)[count * body_numbers];

@@ -67,6 +67,21 @@ void measure_body_errors(const Trace& trace, const Reference& reference, std::si
   metrics.turn_uncertainty = largest(reference.uncertainty_turn, known);
 }
 
+// From the row after the last one in which a body moves; nothing when that is the last row of all.
+std::optional<double> rest_time(const Trace& trace, std::size_t rows) {
+  if (trace.penetration.empty()) return std::nullopt;
+  std::size_t first = rows;
+  for (; first > 0; --first) {
+    double fastest = 0;
+    for (const BodyColumns& body : trace.bodies) {
+      const auto& [x, y, z] = body.velocity;
+      fastest = std::max(fastest, size_of(std::hypot(x[first - 1], y[first - 1], z[first - 1])));
+    }
+    if (fastest > rest_m_s) break;
+  }
+  return first == rows ? std::nullopt : std::optional(trace.t[first]);
+}
+
 void measure_errors(const Trace& trace, const Reference& reference, std::size_t rows, Metrics& metrics) {
   // From the first sample that the reference does not know to the angle of divergence, nobody can tell who is lost.
   const Column& unknown = reference.uncertainty_q;
@@ -143,9 +158,10 @@ void count_as_lost(const Trace& trace, const Reference& reference, Metrics& metr
   metrics.max_energy_drift = metrics.rms_energy_drift = metrics.final_energy_drift = infinity;
   for (std::optional<double>* metric :
        {&metrics.max_reaction_error, &metrics.max_error_position, &metrics.max_error_turn,
-        &metrics.max_angular_momentum_drift, &metrics.max_long_axis_spin}) {
+        &metrics.max_angular_momentum_drift, &metrics.max_long_axis_spin, &metrics.max_penetration}) {
     if (*metric) *metric = infinity;
   }
+  metrics.rest_time.reset();
 }
 
 }  // namespace
@@ -174,6 +190,8 @@ Metrics measure(const Trace& trace, const Reference* reference, double until_s) 
   metrics.max_gap = largest_of(trace.gap, rows);
   metrics.max_out_of_plane = largest_of(trace.out_of_plane, rows);
   metrics.max_angular_momentum_drift = largest_of(trace.angular_momentum_drift, rows);
+  metrics.max_penetration = largest_of(trace.penetration, rows);
+  metrics.rest_time = rest_time(trace, rows);
   if (reference != nullptr) {
     if (!trace.error_q.empty()) measure_errors(trace, *reference, rows, metrics);
     if (!trace.error_position.empty()) measure_body_errors(trace, *reference, rows, metrics);

@@ -61,6 +61,9 @@ Json ode_settings(const Scenario& scenario) {
   json["bounce_vel"] = ode.bounce_vel;
   json["max_correcting_vel"] = json_number(ode.max_correcting_vel);
   json["surface_layer"] = ode.surface_layer;
+  if (scenario.problem->friction) {
+    json["friction_axes"] = ode.friction_axes == FrictionAxes::sliding ? "sliding" : "plane-space";
+  }
   json["start"] = ode.start == Start::half_step ? "half-step" : "as-given";
   json["seed"] = ode.seed;
   json["gyroscopic"] = ode.gyroscopic ? "on" : "off";
@@ -84,6 +87,11 @@ Json settings(const RunSummary& run) {
   for (const Body& body : scenario.bodies) json["bodies"].push_back(json_of(body));
   if (scenario.ground) {
     json["ground"] = {{"slope", scenario.ground->slope_rad}, {"restitution", scenario.ground->restitution}};
+    if (scenario.problem->friction) {
+      json["ground"]["friction"] = scenario.ground->friction;
+      json["ground"]["friction_model"] =
+          scenario.ground->friction_model == FrictionModel::constant ? "constant" : "pyramid";
+    }
   }
   if (scenario.wall) json["wall"] = {{"face", scenario.wall->face_m}, {"restitution", scenario.wall->restitution}};
   if (run.uses_ode) json["ode"] = ode_settings(scenario);

@@ -34,6 +34,7 @@ class Layout {
     add_each("error_position", trace.error_position);
     add_each("error_turn", trace.error_turn);
     add("angular_momentum_drift", trace.angular_momentum_drift);
+    add("penetration", trace.penetration);
     add("contacts", trace.contacts);
     add("condition", trace.condition);
     add("manipulability", trace.manipulability);

@@ -108,7 +108,7 @@ constexpr std::array table{
     Claim{"C13", "§5.6.3", "Recursive Newton-Euler from DH parameters gives results identical to the hand-derived equations.", c13_confirmed, c13_refuted,
           "", "dh"},
     Claim{"C14", "§3.3, §3.5.4", "Friction knows only a constant limit and a pyramid, which may be a large error.", c14_confirmed, c14_refuted,
-          "", "friction"},
+          "Give each contact the way it slides as first direction of friction (dContactFDir1) and the pyramid is Coulomb's law for a box that does not turn.", "friction"},
     Claim{"C15", "§5.4", "A quaternion keeps an orientation cheaply and can be normalised; a rotation matrix drifts.", c15_confirmed, c15_refuted,
           "ODE keeps a normalised quaternion: its matrices stay rotations to the last digits.", "orientation"},
     Claim{"C16", "§5.3.4", "The feedback term -ks C - kd C' keeps the joints together.", c16_confirmed, c16_refuted,

@@ -39,6 +39,40 @@ std::string text_of(const toml::node& node) {
 
 std::string shown(const toml::node& node) { return one_line(text_of(node), 60); }
 
+/// The rotation vector of one turn and then another, by the product of their quaternions.
+Vec3 turn_after(const Vec3& first, const Vec3& then) {
+  const auto half = [](const Vec3& v) {
+    const double angle = std::sqrt(dot(v, v));
+    const double part = angle == 0 ? 0.5 : std::sin(angle / 2) / angle;
+    return std::pair{std::cos(angle / 2), Vec3{part * v[0], part * v[1], part * v[2]}};
+  };
+  const auto [a, u] = half(then);
+  const auto [b, v] = half(first);
+  const Vec3 turning = cross(u, v);
+  Vec3 w{};
+  for (std::size_t k = 0; k < 3; ++k) w[k] = a * v[k] + b * u[k] + turning[k];
+  const double sine = std::sqrt(dot(w, w));
+  const double angle = 2 * std::atan2(sine, a * b - dot(u, v));
+  const double part = sine == 0 ? 0 : angle / sine;
+  return {part * w[0], part * w[1], part * w[2]};
+}
+
+/// What stands in the file along the ground (downhill, across, away) into the world.
+void lay_on_ground(Scenario& scenario) {
+  const Ground& ground = *scenario.ground;
+  const Vec3 downhill = ground.downhill();
+  const Vec3 normal = ground.normal();
+  const auto into_world = [&](const Vec3& v) {
+    return Vec3{v[0] * downhill[0] + v[2] * normal[0], v[1], v[0] * downhill[2] + v[2] * normal[2]};
+  };
+  for (Body& body : scenario.bodies) {
+    body.position_m = into_world(body.position_m);
+    body.velocity_m_s = into_world(body.velocity_m_s);
+    body.spin_rad_s = into_world(body.spin_rad_s);
+    body.turn_rad = turn_after(body.turn_rad, {0, ground.slope_rad, 0});
+  }
+}
+
 bool is_or_holds(std::string_view key, std::string_view path) {
   return path == key || (path.starts_with(key) && path[key.size()] == '.');
 }
@@ -68,6 +102,7 @@ class Reader {
     check_against_problem(tree);
     check_tolerances();
     check_grid();
+    if (scenario_.ground) lay_on_ground(scenario_);
     return scenario_;
   }
 
@@ -298,6 +333,10 @@ class Reader {
       }
       if (!needed) refuse(tree, section);
     }
+    if (problem.ground && !problem.friction) {
+      for (const char* key : {"friction", "friction_model"}) refuse(tree, "ground", key);
+      refuse(tree, "ode", "friction_axes");
+    }
     if (problem.wall) check_clear_of_wall();
   }
 
@@ -305,6 +344,12 @@ class Reader {
   void refuse(const toml::table& tree, const char* key) const {
     if (!tree.contains(key)) return;
     fail(key, "", fmt::format("has no meaning for {}; remove it", scenario_.problem->name), Blame::parts);
+  }
+
+  void refuse(const toml::table& tree, const char* section, const char* key) const {
+    const toml::table* const table = tree[section].as_table();
+    if (table == nullptr || !table->contains(key)) return;
+    fail(joined(section, key), "", fmt::format("has no meaning for {}; remove it", scenario_.problem->name));
   }
 
   void check_pendulum(const toml::table& tree) const {

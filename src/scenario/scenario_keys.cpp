@@ -17,6 +17,8 @@ std::vector<std::string> problem_names(const Names&) {
   return names;
 }
 std::vector<std::string> shape_names(const Names&) { return {"box", "sphere"}; }
+std::vector<std::string> friction_models(const Names&) { return {"pyramid", "constant"}; }
+std::vector<std::string> friction_axes(const Names&) { return {"plane-space", "sliding"}; }
 std::vector<std::string> start_names(const Names&) { return {"as-given", "half-step"}; }
 std::vector<std::string> switch_names(const Names&) { return {"on", "off"}; }
 std::vector<std::string> method_names(const Names& names) { return names.methods; }
@@ -90,7 +92,7 @@ constexpr KeyRow rows[] = {
       [](S& s, const V& v) { s.bodies.back().mass_kg = v.number; }},
   {"bodies", "size",     numbers, "m",     1e-4, 1e3,  false, nullptr, "", "sides along the body's own axes; of a sphere the diameter, three times",
       [](S& s, const V& v) { s.bodies.back().size_m = vector(v); }, 3},
-  {"bodies", "position", numbers, "m",     -1e4, 1e4,  false, nullptr, "0", "of the centre at t = 0",
+  {"bodies", "position", numbers, "m",     -1e4, 1e4,  false, nullptr, "0", "of the centre at t = 0; this and the next three along the ground where there is one: downhill, across, away",
       [](S& s, const V& v) { s.bodies.back().position_m = vector(v); }, 3},
   {"bodies", "turn",     numbers, "rad",   -1e3, 1e3,  false, nullptr, "0", "rotation vector that turns the world's axes into the body's at t = 0",
       [](S& s, const V& v) { s.bodies.back().turn_rad = vector(v); }, 3},
@@ -105,6 +107,10 @@ constexpr KeyRow rows[] = {
       [](S& s, const V& v) { s.ground->slope_rad = v.number; }},
   {"ground", "restitution", number, "",    0, 1,      false, nullptr, "0", "speed after an impact over speed before",
       [](S& s, const V& v) { s.ground->restitution = v.number; }},
+  {"ground", "friction",    number, "",    0, 1e9,    false, nullptr, "0", "coefficient of friction, or the force in N that the constant model allows a body",
+      [](S& s, const V& v) { s.ground->friction = v.number; }},
+  {"ground", "friction_model", word, "",   0, 0,      false, friction_models, "pyramid", "what bounds friction: the normal force, or a constant",
+      [](S& s, const V& v) { s.ground->friction_model = v.word == "constant" ? FrictionModel::constant : FrictionModel::pyramid; }},
 
   {"ode", "erp",                number, "",       0, 1,          false, nullptr, "0.2", "error reduction parameter",
       [](S& s, const V& v) { s.ode.erp = v.number; }},
@@ -122,6 +128,8 @@ constexpr KeyRow rows[] = {
       [](S& s, const V& v) { s.ode.max_correcting_vel = v.number; }},
   {"ode", "surface_layer",      number, "m",      0, 1e3,        false, nullptr, "0", "overlap of contacts that is left alone",
       [](S& s, const V& v) { s.ode.surface_layer = v.number; }},
+  {"ode", "friction_axes",      word,   "",       0, 0,          false, friction_axes, "plane-space", "along what friction acts: ODE's own axes of the plane, or the way a contact slides",
+      [](S& s, const V& v) { s.ode.friction_axes = v.word == "sliding" ? FrictionAxes::sliding : FrictionAxes::plane_space; }},
   {"ode", "start",              word,   "",       0, 0,          false, start_names, "as-given", "velocities at t = 0 as given, or those of half a step before",
       [](S& s, const V& v) { s.ode.start = v.word == "half-step" ? Start::half_step : Start::as_given; }},
   {"ode", "seed",               whole,  "",       0, 4294967295, false, nullptr, "0", "of ODE's random numbers (QuickStep)",

@@ -89,7 +89,7 @@ std::string wanted_body_header(const Scenario& scenario) {
     return columns;
   };
   return "t,kinetic,potential,energy,energy_drift," + each("error_position") + each("error_turn") +
-         (scenario.ground ? "" : "angular_momentum_drift,") + "contacts,";
+         (scenario.ground ? "penetration," : "angular_momentum_drift,") + "contacts,";
 }
 
 // Bodies as their scenario file has them, for its first tenth.

@@ -1,0 +1,209 @@
+#include "reference/bodies/bouncing_ball.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "odeval/error.hpp"
+#include "reference/bodies/rotation.hpp"
+
+namespace odeval::reference {
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// 1 + e + ... + e^(n - 1), each digit of it also for e close to 1.
+double geometric_sum(double e, double n) {
+  if (e == 1) return n;
+  if (e == 0) return n > 0 ? 1 : 0;
+  return std::expm1(n * std::log(e)) / (e - 1);
+}
+
+/// The height of a ball above the plane it bounces on.
+class Bounces {
+ public:
+  Bounces(double height, double rate, double gravity, double restitution)
+      : height_(height), rate_(rate), gravity_(gravity), restitution_(restitution) {
+    if (gravity > 0) {
+      speed_ = std::sqrt(rate * rate + 2 * gravity * height);
+      first_ = rate > 0 ? (rate + speed_) / gravity : 2 * height / (speed_ - rate);  // nothing cancels
+      if (speed_ == 0) first_ = 0;
+    } else if (rate < 0) {
+      speed_ = -rate;
+      first_ = -height / rate;
+    }
+  }
+
+  struct State {
+    double height;
+    double rate;
+  };
+
+  State at(double t) const {
+    if (t < first_) return {height_ + t * (rate_ - gravity_ * t / 2), rate_ - gravity_ * t};
+    if (t >= last()) return {0, 0};
+    const double impact = latest(t);
+    const double rate = speed_ * std::pow(restitution_, impact);
+    const double since = t - time_of(impact);
+    return {since * (rate - gravity_ * since / 2), rate - gravity_ * since};
+  }
+
+  /// When the impacts are over and the ball rests; infinite: never.
+  double last() const {
+    if (speed_ == 0 || restitution_ == 0) return first_;
+    if (restitution_ == 1 || gravity_ == 0) return infinity;
+    return first_ + flight() / (1 - restitution_);
+  }
+
+  /// Impact 1, 2, ...
+  double time_of(double impact) const {
+    return impact == 1 ? first_ : first_ + flight() * geometric_sum(restitution_, impact - 1);
+  }
+  double speed_before(double impact) const { return speed_ * std::pow(restitution_, impact - 1); }
+  double first_speed() const { return speed_; }
+  double restitution() const { return restitution_; }
+
+ private:
+  /// From the first impact to the second.
+  double flight() const { return gravity_ == 0 ? infinity : 2 * speed_ * restitution_ / gravity_; }
+
+  /// The number of the latest impact, first_ <= t < last().
+  double latest(double t) const {
+    if (gravity_ == 0) return 1;
+    const double flights = (t - first_) / flight();  // lengths of the second flight
+    double more = restitution_ == 1 ? std::floor(flights)
+                                    : std::floor(std::log1p(flights * (restitution_ - 1)) / std::log(restitution_));
+    while (more > 0 && time_of(more + 1) > t) --more;
+    while (time_of(more + 2) <= t) ++more;
+    return more + 1;
+  }
+
+  double height_;
+  double rate_;
+  double gravity_;
+  double restitution_;
+  double speed_ = 0;
+  double first_ = infinity;
+};
+
+class BouncingBalls final : public BodyMotion {
+ public:
+  explicit BouncingBalls(const Scenario& scenario)
+      : bodies_(scenario.bodies), normal_(scenario.ground->normal()), gravity_{0, 0, -scenario.gravity} {
+    for (std::size_t i = 0; i < bodies_.size(); ++i) check(scenario, i);
+    for (const Body& body : bodies_) {
+      bounces_.emplace_back(std::fmax(0, height_of(body)), dot(normal_, body.velocity_m_s), -dot(normal_, gravity_),
+                            scenario.ground->restitution);
+    }
+  }
+
+  void at(double t, std::span<BodyState> states) const override {
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      const Body& body = bodies_[i];
+      BodyState& state = states[i] = BodyState{};
+      const Bounces::State away = bounces_[i].at(t);
+      const Vec3 from = aside(body.position_m);
+      const Vec3 rate = aside(body.velocity_m_s);
+      const Vec3 pull = aside(gravity_);
+      for (std::size_t k = 0; k < 3; ++k) {
+        state.position[k] = from[k] + t * (rate[k] + pull[k] * t / 2) + (radius(body) + away.height) * normal_[k];
+        state.velocity[k] = rate[k] + pull[k] * t + away.rate * normal_[k];
+        state.spin[k] = body.spin_rad_s[k];
+      }
+      const auto [x, y, z] = body.spin_rad_s;
+      put(product(rotation_of({x * t, y * t, z * t}), rotation_of(body.turn_rad)), state.rotation);
+    }
+  }
+
+  // The time of an impact is a sum of positive terms, each good to some roundings; the height between impacts is off by
+  // its own rounding and by that of the time at the speed of the first impact, which none of the later ones has.
+  BodyDoubt doubt(double t) const override {
+    BodyDoubt doubt;
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      const Body& body = bodies_[i];
+      const auto length = [](const Vec3& v) { return std::sqrt(dot(v, v)); };
+      const double way = length(body.position_m) + t * (length(body.velocity_m_s) + length(gravity_) * t / 2) +
+                         t * bounces_[i].first_speed();
+      doubt.position_m = std::fmax(doubt.position_m, 16 * epsilon * way);
+      doubt.turn_rad = std::fmax(doubt.turn_rad, 4 * epsilon * (1 + t * length(body.spin_rad_s)));
+    }
+    return doubt;
+  }
+
+  // The impacts of a ball that comes to rest are without end: those count that are faster than a billionth of the
+  // first.
+  std::vector<Impact> impacts(double until_s) const override {
+    const Bounces& ball = bounces_.front();
+    const double height = radius(bodies_.front());
+    std::vector<Impact> impacts;
+    for (double number = 1; ball.time_of(number) <= until_s; ++number) {
+      const double speed = ball.speed_before(number);
+      if (speed <= 1e-9 * ball.first_speed()) break;
+      impacts.push_back({ball.time_of(number), height, -speed, ball.restitution() * speed, 0});
+    }
+    return impacts;
+  }
+
+  double at_rest_from() const override {
+    const bool stays = dot(normal_, gravity_) == -std::sqrt(dot(gravity_, gravity_));  // nothing pulls it along
+    const Body& body = bodies_.front();
+    const Vec3 aside = cross(normal_, body.velocity_m_s);
+    const double last = bounces_.front().last();
+    return stays && dot(aside, aside) == 0 && std::isfinite(last) ? last : -1;
+  }
+
+  std::string described() const override { return "closed form: parabolas between impacts by Newton's law"; }
+
+ private:
+  static double radius(const Body& body) { return body.size_m[0] / 2; }
+  /// The part along the plane.
+  Vec3 aside(const Vec3& v) const {
+    const double away = dot(normal_, v);
+    return {v[0] - away * normal_[0], v[1] - away * normal_[1], v[2] - away * normal_[2]};
+  }
+  double height_of(const Body& body) const { return dot(normal_, body.position_m) - radius(body); }
+
+  void check(const Scenario& scenario, std::size_t i) const {
+    const Body& body = bodies_[i];
+    const auto fail = [&](const char* key, const std::string& rule) {
+      throw UserError(fmt::format("{}: bodies.{}.{} {}", scenario.file, i, key, rule));
+    };
+    if (body.shape != Shape::sphere) fail("shape", fmt::format("must be sphere for {}", scenario.problem->name));
+    if (height_of(body) < -4 * epsilon * (radius(body) + std::sqrt(dot(body.position_m, body.position_m)))) {
+      fail("position",
+           fmt::format("must be at least {:.10g} m above the ground, or the ball starts inside it", radius(body)));
+    }
+    for (std::size_t other = 0; other < i; ++other) {
+      if (may_meet(body, bodies_[other], scenario.duration_s)) {
+        fail("position", fmt::format("lets the ball meet that of bodies.{}; no closed form is known for that", other));
+      }
+    }
+  }
+
+  // Seen along the normal, two balls move past each other on a straight line, whatever they bounce.
+  bool may_meet(const Body& a, const Body& b, double duration_s) const {
+    const auto difference = [](const Vec3& u, const Vec3& v) { return Vec3{u[0] - v[0], u[1] - v[1], u[2] - v[2]}; };
+    const Vec3 between = aside(difference(a.position_m, b.position_m));
+    const Vec3 rate = aside(difference(a.velocity_m_s, b.velocity_m_s));
+    const double speed = dot(rate, rate);
+    const double nearest = speed == 0 ? 0 : std::clamp(-dot(between, rate) / speed, 0.0, duration_s);
+    const Vec3 then{between[0] + nearest * rate[0], between[1] + nearest * rate[1], between[2] + nearest * rate[2]};
+    return std::sqrt(dot(then, then)) <= radius(a) + radius(b);
+  }
+
+  std::vector<Body> bodies_;
+  Vec3 normal_;
+  Vec3 gravity_;
+  std::vector<Bounces> bounces_;
+};
+
+}  // namespace
+
+std::unique_ptr<BodyMotion> make_bouncing_balls(const Scenario& scenario) {
+  return std::make_unique<BouncingBalls>(scenario);
+}
+
+}  // namespace odeval::reference

@@ -1,0 +1,264 @@
+// What ODE makes of restitution: delivered at an impact, left after many, at rest, and kept by 49 balls.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "experiments/all.hpp"
+#include "experiments/parts.hpp"
+
+namespace odeval::experiments {
+namespace {
+
+using catalogue::Evaluation;
+using catalogue::Evaluator;
+using report::Cell;
+using report::Panel;
+
+constexpr std::string_view big_matrix = "ode-step-double";
+constexpr double steps[] = {1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2};
+constexpr double mixings[] = {1e-10, 1e-6, 1e-5, 1e-4};
+
+struct First {
+  Impact impact{};
+  double delivered = NAN;
+};
+
+/// The first impact of the scenario.
+First first_impact(Scenario scenario) {
+  const double height = scenario.bodies.front().position_m[2] - scenario.bodies.front().size_m[2] / 2;
+  scenario.duration_s = std::sqrt(2 * height / scenario.gravity) + 2 * scenario.step_s;
+  scenario.sample_s.reset();
+  const Evaluation run = Evaluator(scenario).evaluate(*available(big_matrix));
+  if (run.outcome.impacts.empty()) return {};
+  const Impact& impact = run.outcome.impacts.front();
+  return {impact, -impact.qd_after / impact.qd_before};
+}
+
+/// Of one row in a step: the force mixing F adds cfm F to the rate asked for.
+double predicted(const Scenario& scenario) {
+  const double mixed = scenario.ode.cfm * scenario.bodies.front().mass_kg / scenario.step_s;
+  return std::fmax((scenario.restitution() - mixed) / (1 + mixed), -1);
+}
+
+void delivered(const Scenario& scenario, Section& section, Findings& findings) {
+  report::Table table{"bouncing-delivered",
+                      "Restitution asked for and delivered at the first impact",
+                      {"h, s", "ERP", "CFM", "mass, kg", "speed, m/s", "overlap, m", "asked for", "delivered"},
+                      {},
+                      "dWorldStep, double precision."};
+  const auto add = [&](const Scenario& changed) {
+    const First first = first_impact(changed);
+    table.rows.push_back({changed.step_s, changed.ode.erp, changed.ode.cfm, changed.bodies[0].mass_kg,
+                          -first.impact.qd_before, first.impact.depth, changed.restitution(), first.delivered});
+    return first.delivered;
+  };
+  Panel by_step{.x_label = "h, s", .y_label = "restitution delivered", .log_x = true};
+  int colour = 0;
+  for (const double cfm : mixings) {
+    report::Series measured_series{fmt::format("CFM {:g}", cfm), {}, {}, report::Mark::points, colour};
+    report::Series law{fmt::format("(e - c)/(1 + c), CFM {:g}", cfm), {}, {}, report::Mark::line, colour++, true};
+    for (const double step : steps) {
+      Scenario changed = scenario;
+      changed.step_s = step;
+      changed.ode.cfm = cfm;
+      measured_series.x.push_back(step);
+      measured_series.y.push_back(add(changed));
+      law.x.push_back(step);
+      law.y.push_back(predicted(changed));
+    }
+    by_step.series.push_back(std::move(measured_series));
+    by_step.series.push_back(std::move(law));
+  }
+  Panel by_asked{.x_label = "restitution asked for", .y_label = "restitution delivered"};
+  for (const double erp : {0.2, 0.8}) {
+    report::Series series{fmt::format("ERP {}", erp), {}, {}, report::Mark::line_and_points};
+    for (const double asked : {0.0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0}) {
+      Scenario changed = scenario;
+      changed.ground->restitution = asked;
+      changed.ode.erp = erp;
+      series.x.push_back(asked);
+      series.y.push_back(add(changed));
+    }
+    by_asked.series.push_back(std::move(series));
+  }
+  for (const double height : {0.01, 0.1, 10.0}) {  // the speed of the impact
+    Scenario changed = scenario;
+    changed.bodies[0].position_m[2] = changed.bodies[0].size_m[2] / 2 + height;
+    add(changed);
+  }
+  Scenario heavy = scenario;
+  heavy.ode.cfm = 1e-5;
+  heavy.bodies[0].mass_kg = 10;
+  findings.add("bouncing.restitution_kept",
+               measured(fmt::format("restitution delivered over the {} asked for", scenario.restitution()), "",
+                        first_impact(scenario).delivered / scenario.restitution()));
+  findings.add("bouncing.restitution_heavy",
+               measured("the same for 10 kg with the CFM that single precision has by default, 1e-5", "",
+                        add(heavy) / scenario.restitution()));
+
+  report::Figure figure{"bouncing-delivered-figure", "Restitution that ODE delivers", {}, {}, 2};
+  figure.panels = {std::move(by_step), std::move(by_asked)};
+  figure.caption = fmt::format(
+      "Left: {} asked for; the points are measured, the lines the law with c = CFM m / h. Right: with ERP alone there "
+      "is "
+      "a bounce as well, by ERP times the part of the last step that the ball spent in the ground, so no ball falls "
+      "dead "
+      "at restitution 0.",
+      scenario.restitution());
+  section.blocks.emplace_back(std::move(figure));
+  section.blocks.emplace_back(std::move(table));
+}
+
+void many(const Scenario& scenario, Section& section) {
+  Panel panel{.x_label = "impact", .y_label = "speed over that of the first", .log_y = true};
+  Column numbers;
+  Column truth;
+  for (const double step : {1e-2, 1e-3, 1e-4}) {
+    Scenario changed = scenario;
+    changed.step_s = step;
+    changed.sample_s = 1e-2;
+    const Evaluation run = Evaluator(changed).evaluate(*available(big_matrix));
+    report::Series series{fmt::format("h = {:g} s", step), {}, {}, report::Mark::line_and_points};
+    for (const Impact& impact : run.outcome.impacts) {
+      if (series.x.size() == 25) break;
+      series.x.push_back(static_cast<double>(series.x.size()) + 1);
+      series.y.push_back(impact.qd_before / run.outcome.impacts.front().qd_before);
+    }
+    if (series.x.size() > numbers.size()) numbers = series.x;
+    panel.series.push_back(std::move(series));
+  }
+  for (const double number : numbers) truth.push_back(std::pow(scenario.restitution(), number - 1));
+  panel.series.push_back(curve("Newton's law", numbers, truth, guide_colour, true));
+  report::Figure figure{"bouncing-many-figure", "Impact after impact", {}, {}, 1};
+  figure.panels = {std::move(panel)};
+  figure.caption =
+      "The square is the energy left. A curve leaves the line where a flight takes a few steps only: ODE's ball then "
+      "rests, or hops on at the speed of gravity in a step or so.";
+  section.blocks.emplace_back(std::move(figure));
+}
+
+void rest(const Scenario& scenario, Section& section) {
+  report::Table table{"bouncing-rest",
+                      "At rest",
+                      {"method", "ERP", "CFM", "slower do not bounce, m/s", "rests from, s",
+                       "largest speed in the last second, m/s", "overlap at the end, m"},
+                      {},
+                      ""};
+  double true_rest = NAN;
+  for (const char* method :
+       {"ode-step-double", "ode-step-single", "ode-quickstep-double", "ode-quickstep-single", "ode-rk4-double"}) {
+    for (const auto& [cfm, bounce_vel] : {std::pair{1e-10, 0.0}, std::pair{1e-10, 0.05}, std::pair{1e-5, 0.0}}) {
+      if (std::string_view(method) == "ode-rk4-double" && (cfm != 1e-10 || bounce_vel != 0)) continue;
+      Scenario changed = scenario;
+      changed.ode.cfm = cfm;
+      changed.ode.bounce_vel = bounce_vel;
+      const bool has = std::string_view(method) != "ode-rk4-double";
+      std::vector<Cell> row{std::string(method), has ? Cell(changed.ode.erp) : Cell("-"), has ? Cell(cfm) : Cell("-"),
+                            has ? Cell(bounce_vel) : Cell("-")};
+      if (available(method) == nullptr) {
+        for (int i = 0; i < 3; ++i) row.emplace_back(report::Missing{"not in this build"});
+      } else {
+        Evaluator evaluator(changed);
+        const Evaluation run = evaluator.evaluate(*available(method));
+        true_rest = evaluator.reference().at_rest_from;
+        const auto rests = evaluator.measure(run, changed.duration_s).rest_time;
+        const Column& rate = run.trace.bodies[0].velocity[2];
+        double fastest = 0;
+        for (std::size_t k = rows_between(run.trace.t, changed.duration_s - 1, changed.duration_s).first;
+             k < rate.size(); ++k) {
+          fastest = std::max(fastest, std::fabs(rate[k]));
+        }
+        row.emplace_back(rests ? Cell(*rests) : Cell("never"));
+        row.emplace_back(fastest);
+        row.emplace_back(run.trace.penetration.back());
+      }
+      table.rows.push_back(std::move(row));
+    }
+  }
+  table.note = fmt::format("The closed form rests from {} s; \"rests\" means slower than {} m/s until the end of {} s.",
+                           shown(true_rest), rest_m_s, scenario.duration_s);
+  section.blocks.emplace_back(std::move(table));
+}
+
+/// Energies of the balls over the steps of the ladder; beyond 1 ms one ball stands for all, which are equal.
+void ladder(const Scenario& grid, Section& section, Findings& findings) {
+  report::Table table{"bouncing-balls",
+                      "49 balls that bounce for 20 s and should keep their energy",
+                      {"method", "ERP", "h, s", "balls", "energy at the start, J", "mean squared energy error, J²",
+                       "energy at the end over the start", "largest overlap, m"},
+                      {},
+                      "Radius 0.1 m, 10 kg, from 5 m, restitution 1, as in SimBenchmark's bouncing test; errors of 49 "
+                      "balls, also where "
+                      "one was stepped (they are equal, and the energy is 49 times its own). The rung of 1e-5 s takes "
+                      "seconds: odeval run "
+                      "bouncing_balls --step 1e-5."};
+  Panel panel{.x_label = "h, s", .y_label = "root mean square energy error over energy", .log_x = true, .log_y = true};
+  const auto energy = [](const Trace& trace, std::size_t row) { return trace.kinetic[row] + trace.potential[row]; };
+  struct Rung {
+    std::string_view method;
+    double erp;
+    double largest;
+    double least;
+  };
+  for (const Rung& rung : {Rung{"ode-step-double", 0.2, 0.1, 1e-4}, Rung{"ode-step-double", 0.0, 0.1, 1e-4},
+                           Rung{"ode-quickstep-double", 0.2, 0.1, 1e-3}, Rung{"ode-rk4-double", 0.2, 0.1, 1e-3}}) {
+    report::Series series{
+        fmt::format("{}{}", rung.method, rung.method == "ode-rk4-double" ? "" : fmt::format(", ERP {}", rung.erp)),
+        {},
+        {},
+        report::Mark::line_and_points};
+    for (const double step : {0.1, 0.01, 0.001, 0.0001}) {
+      if (step > rung.largest || step < rung.least) continue;
+      Scenario scenario = grid;
+      const bool all = step > 5e-3 && rung.method != "ode-rk4-double";
+      const double stands_for = all ? 1 : static_cast<double>(grid.bodies.size());
+      if (!all) scenario.bodies.resize(1);
+      scenario.step_s = step;
+      scenario.sample_s = 0.1;
+      scenario.ode.erp = rung.erp;
+      Evaluator evaluator(scenario);
+      const Evaluation run = evaluator.evaluate(*available(rung.method));
+      const Metrics metrics = evaluator.measure(run, scenario.duration_s);
+      const double start = stands_for * energy(run.trace, 0);
+      const double rms = stands_for * metrics.rms_energy_drift;
+      const double last = stands_for * energy(run.trace, run.trace.rows() - 1);
+      table.rows.push_back({std::string(rung.method), rung.erp, step, static_cast<double>(scenario.bodies.size()),
+                            start, rms * rms, last / start, metrics.max_penetration.value_or(NAN)});
+      series.x.push_back(step);
+      series.y.push_back(rms / start);
+      if (rung.method == big_matrix && rung.erp == grid.ode.erp && step == 1e-3) {
+        findings.add("bouncing.energy_error",
+                     measured("root mean square energy error of 49 balls over their energy, dWorldStep at 1 ms", "",
+                              rms / start));
+      }
+    }
+    panel.series.push_back(std::move(series));
+  }
+  report::Figure figure{"bouncing-balls-figure", "Energy of 49 balls over the step", {}, {}, 1};
+  figure.panels = {std::move(panel)};
+  figure.caption = "Restitution 1: the energy at t = 0 is what every step should show.";
+  section.blocks.emplace_back(std::move(figure));
+  section.blocks.emplace_back(std::move(table));
+}
+
+}  // namespace
+
+Section bouncing_ball(Laboratory& laboratory, Findings& findings) {
+  const Scenario& scenario = laboratory.scenario("bouncing_ball");
+  Section section{"bouncing-ball", "A ball that bounces, and rests", {}};
+  section.blocks.emplace_back(report::Text{fmt::format(
+      "A ball of {} kg falls 1 m to level ground that gives back {} of its speed. ODE asks its contact for the rate e "
+      "|v| "
+      "in the step that sees the overlap, and for ERP / h times the overlap if that is more; CFM then lets a part of "
+      "the "
+      "impulse through. In a single step the rate is v+ = (e |v| - c |v|) / (1 + c), c = CFM m / h (gravity's g h left "
+      "out): a heavy ball, a small step or a large CFM takes restitution away.",
+      scenario.bodies[0].mass_kg, scenario.restitution())});
+  delivered(scenario, section, findings);
+  many(scenario, section);
+  rest(scenario, section);
+  ladder(laboratory.scenario("bouncing_balls"), section, findings);
+  return section;
+}
+
+}  // namespace odeval::experiments

@@ -1,0 +1,166 @@
+// Friction as a pyramid and as a constant force, beside Coulomb's law: claim C14.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "experiments/all.hpp"
+#include "experiments/parts.hpp"
+
+namespace odeval::experiments {
+namespace {
+
+using catalogue::Evaluation;
+using catalogue::Evaluator;
+using report::Cell;
+using report::Panel;
+using std::numbers::pi;
+
+constexpr double directions_deg[] = {0, 7.5, 15, 22.5, 30, 37.5, 45};
+constexpr std::string_view step_double = "ode-step-double";
+
+struct Case {
+  std::string_view label;
+  std::string_view method;
+  FrictionModel model;
+  FrictionAxes axes;
+};
+constexpr Case cases[] = {
+    {"dWorldStep, pyramid", step_double, FrictionModel::pyramid, FrictionAxes::plane_space},
+    {"dWorldStep, constant force", step_double, FrictionModel::constant, FrictionAxes::plane_space},
+    {"QuickStep, pyramid", "ode-quickstep-double", FrictionModel::pyramid, FrictionAxes::plane_space},
+    {"dWorldStep, pyramid along the slide", step_double, FrictionModel::pyramid, FrictionAxes::sliding},
+};
+
+struct Slide {
+  double way = 0;         // m, from start to end
+  double true_way = 0;    // m
+  double turned_deg = 0;  // of that way, away from where it set out for
+  double error = 0;       // m, largest distance from the reference
+  double doubt = 0;       // m
+};
+
+Slide slide(Scenario scenario, const Case& how, double direction_deg) {
+  const Body& box = scenario.bodies.front();
+  const double direction = direction_deg * pi / 180;
+  const double speed = std::sqrt(dot(box.velocity_m_s, box.velocity_m_s));
+  scenario.bodies.front().velocity_m_s = {speed * std::cos(direction), speed * std::sin(direction), 0};
+  if (how.model == FrictionModel::constant) scenario.ground->friction *= box.mass_kg * scenario.gravity;
+  scenario.ground->friction_model = how.model;
+  scenario.ode.friction_axes = how.axes;
+  Evaluator evaluator(scenario);
+  const Evaluation run = evaluator.evaluate(*available(how.method));
+  const auto way = [](const Trace& trace) {
+    const auto& [x, y, z] = trace.bodies.front().position;
+    return Vec3{x.back() - x.front(), y.back() - y.front(), 0};
+  };
+  const Vec3 gone = way(run.trace);
+  const Vec3 wanted = way(evaluator.reference().trace);
+  const Metrics metrics = evaluator.measure(run, scenario.duration_s);
+  return {std::sqrt(dot(gone, gone)), std::sqrt(dot(wanted, wanted)),
+          std::atan2(gone[1], gone[0]) * 180 / pi - direction_deg, metrics.max_error_position.value_or(NAN),
+          metrics.position_uncertainty.value_or(NAN)};
+}
+
+/// How far a box slips in the scenario's time, from rest on a slope of so much of the angle of friction.
+double slips(const Scenario& level, std::string_view method, double part) {
+  Scenario scenario = level;
+  const double slope = std::atan(level.ground->friction * part);
+  scenario.ground->slope_rad = slope;
+  const double half = level.bodies.front().size_m[2] / 2;
+  Body& box = scenario.bodies.front();
+  box.position_m = {half * std::sin(slope), 0, half * std::cos(slope)};
+  box.turn_rad = {0, slope, 0};
+  box.velocity_m_s = {};
+  Evaluator evaluator(scenario);
+  const Evaluation run = evaluator.evaluate(*available(method));
+  const auto& [x, y, z] = run.trace.bodies.front().position;
+  return std::hypot(x.back() - x.front(), y.back() - y.front(), z.back() - z.front());
+}
+
+report::Table threshold(const Scenario& scenario) {
+  report::Table table{
+      "friction-threshold",
+      "Held or sliding: a box at rest on a slope",
+      {"method", "way at 99 % of the angle of friction, m", "at 101 %, m", "Coulomb's at 101 %, m"},
+      {},
+      fmt::format("Way after {} s from rest, coefficient {}. What is held gives way by the settling of the first steps "
+                  "alone.",
+                  scenario.duration_s, scenario.ground->friction)};
+  const double slope = std::atan(1.01 * scenario.ground->friction);
+  const double net = scenario.gravity * (std::sin(slope) - scenario.ground->friction * std::cos(slope));
+  for (const char* method : {"ode-step-double", "ode-step-single", "ode-quickstep-double", "ode-quickstep-single"}) {
+    const auto cell = [&](double part) -> Cell {
+      if (available(method) == nullptr) return report::Missing{"not in this build"};
+      return slips(scenario, method, part);
+    };
+    table.rows.push_back(
+        {std::string(method), cell(0.99), cell(1.01), net * scenario.duration_s * scenario.duration_s / 2});
+  }
+  return table;
+}
+
+}  // namespace
+
+Section friction(Laboratory& laboratory, Findings& findings) {
+  const Scenario& scenario = laboratory.scenario("friction_slide");
+  report::Table table{"friction",
+                      "How far a box slides, and where to",
+                      {"friction", "direction, degrees", "way, m", "Coulomb's way, m", "way over Coulomb's",
+                       "turned aside, degrees", "largest distance from Coulomb's motion, m", "reference off by, m"},
+                      {},
+                      "The direction is counted from one of the two axes that ODE lets friction act along."};
+  Panel ways{.x_label = "direction of the slide, degrees", .y_label = "way over Coulomb's"};
+  Panel turns{.x_label = "direction of the slide, degrees", .y_label = "turned aside, degrees"};
+  double straight = NAN;
+  double diagonal = NAN;
+  double doubt = 0;
+  int colour = 0;
+  for (const Case& how : cases) {
+    report::Series way{std::string(how.label),        {},       {},
+                       report::Mark::line_and_points, colour++, how.axes == FrictionAxes::sliding};
+    report::Series turned = way;
+    for (const double direction : directions_deg) {
+      const Slide slid = slide(scenario, how, direction);
+      table.rows.push_back({std::string(how.label), direction, slid.way, slid.true_way, slid.way / slid.true_way,
+                            slid.turned_deg, slid.error, slid.doubt});
+      way.x.push_back(direction);
+      way.y.push_back(slid.way / slid.true_way);
+      turned.x.push_back(direction);
+      turned.y.push_back(slid.turned_deg);
+      if (&how == &cases[0] && direction == 0) straight = slid.way;
+      if (&how == &cases[0] && direction == 45) diagonal = slid.way;
+      doubt = std::max(doubt, slid.doubt);
+    }
+    ways.series.push_back(std::move(way));
+    turns.series.push_back(std::move(turned));
+  }
+  findings.add("C14.anisotropy",
+               measured("friction of the pyramid at 45 degrees to its axes over that along one, less 1", "",
+                        straight / diagonal - 1, straight / diagonal * (doubt / straight + doubt / diagonal)));
+
+  report::Figure figure{"friction-figure", "Friction over the direction of the slide", {}, {}, 2};
+  figure.panels = {std::move(ways), std::move(turns)};
+  figure.caption =
+      "Coulomb's law knows no direction: 1 on the left, 0 on the right. At 45 degrees both forces of the pyramid are "
+      "at "
+      "their limit and add up to the square root of two; in between, one of them stops its part of the motion first "
+      "and "
+      "the box turns aside.";
+  Section section{"friction", "Friction: pyramid, constant force and Coulomb", {}};
+  section.blocks.emplace_back(report::Text{fmt::format(
+      "A box of {} kg sets out at {} m/s over level ground, coefficient {}, h = {} s. ODE lets friction act along two "
+      "axes at a contact, each up to its own limit: a constant, or the coefficient times the normal force "
+      "(dContactApprox1). The axes are ODE's own unless the program gives one (dContactFDir1). Giving the way the "
+      "contact slides, --set ode.friction_axes=sliding here, costs a few operations a contact and makes the pyramid "
+      "Coulomb's law for a box that slides without turning. Normal forces are those that dWorldStep finds without "
+      "friction; on a flat base their sum is the weight whatever friction does, so nothing is lost by that here.",
+      scenario.bodies[0].mass_kg, std::sqrt(dot(scenario.bodies[0].velocity_m_s, scenario.bodies[0].velocity_m_s)),
+      scenario.ground->friction, scenario.step_s)});
+  section.blocks.emplace_back(std::move(figure));
+  section.blocks.emplace_back(std::move(table));
+  section.blocks.emplace_back(threshold(scenario));
+  return section;
+}
+
+}  // namespace odeval::experiments
