@@ -29,6 +29,10 @@ struct Metrics {
   std::optional<double> position_uncertainty;
   std::optional<double> turn_uncertainty;
   std::optional<double> max_angular_momentum_drift;  // N m s
+  std::optional<double> time_shift;                  // s, by which the trace runs ahead; empty once it is lost
+  std::optional<double> time_shift_uncertainty;
+  std::optional<double> error_q_after_shift;         // rad
+  std::optional<double> error_position_after_shift;  // m
 };
 
 struct MetricRow {
@@ -57,6 +61,10 @@ inline constexpr MetricRow metric_rows[] = {
   {"position_uncertainty",  "m",   "bound on the reference's own distance",            [](const Metrics& m) { return m.position_uncertainty; }},
   {"turn_uncertainty",      "rad", "bound on the reference's own angle of attitude",   [](const Metrics& m) { return m.turn_uncertainty; }},
   {"max_angular_momentum_drift", "N m s", "largest change of the angular momentum about the centres", [](const Metrics& m) { return m.max_angular_momentum_drift; }},
+  {"time_shift",            "s",   "how far the trace's clock runs ahead, for the best fit until an impact", [](const Metrics& m) { return m.time_shift; }, "time_shift_uncertainty"},
+  {"time_shift_uncertainty", "s",  "bound on what the reference's own error does to it", [](const Metrics& m) { return m.time_shift_uncertainty; }},
+  {"error_q_after_shift",   "rad", "largest angle error that this shift leaves",       [](const Metrics& m) { return m.error_q_after_shift; }, "reference_uncertainty"},
+  {"error_position_after_shift", "m", "largest error of a coordinate of a body that this shift leaves", [](const Metrics& m) { return m.error_position_after_shift; }, "position_uncertainty"},
 };
 // clang-format on
 

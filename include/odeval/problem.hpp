@@ -33,7 +33,7 @@ struct PlanarFrame {
 /// What a problem is made of, and so which tables of a scenario file it has.
 enum class Family {
   pendulum,  // links on hinges in a plane: q0, qd0, [[links]], [wall]
-  bodies,    // bodies in space, alone or on a ground: [[bodies]], [ground]
+  bodies,    // bodies in space, alone or on a ground: [[bodies]], [ground], [joint]
 };
 
 struct Problem {
@@ -44,6 +44,7 @@ struct Problem {
   PlanarFrame frame;
   Family family = Family::pendulum;
   bool ground = false;  // of bodies: whether there is something to lie on
+  bool joint = false;   // of bodies: whether a joint holds the first
 };
 
 /// Report C.2: boxes hang along -z of their own frame and turn about x.
@@ -56,12 +57,14 @@ inline constexpr PlanarFrame lying_frame{{1, 0, 3}, {1, 0, 0}, {0, 0, 1}, {0, 1,
 inline constexpr PlanarFrame body_frame{{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {0, 1, 0}, {0, 0, 1}, {1, 0, 0}, 0};
 
 /// The one table of problems; everything that names a problem reads it.
-inline constexpr std::array<Problem, 4> problems{{
+inline constexpr std::array<Problem, 5> problems{{
     {"single_pendulum", "one link on one hinge; closed form in elliptic functions", 1, false, hanging_frame},
     {"double_pendulum", "two links on two hinges; chaotic", 2, false, hanging_frame},
     {"wall_pendulum", "one link that swings against a wall; closed form between impacts", 1, true, lying_frame},
     {"free_box", "bodies that nothing touches; closed form in elliptic functions", 0, false, body_frame,
      Family::bodies},
+    {"spring_joint", "bodies pulled out of a joint; closed form of a damped spring", 0, false, body_frame,
+     Family::bodies, false, true},
 }};
 
 }  // namespace odeval

@@ -5,6 +5,7 @@
 
 #include "odeval/error.hpp"
 #include "reference/bodies/free_bodies.hpp"
+#include "reference/bodies/spring_joint.hpp"
 
 namespace odeval::reference {
 namespace {
@@ -17,6 +18,7 @@ struct MotionRow {
 /// The one table of true motions, a row a problem of the family.
 constexpr std::array motions{
     MotionRow{"free_box", make_free_bodies},
+    MotionRow{"spring_joint", make_spring_joint},
 };
 
 }  // namespace

@@ -62,6 +62,9 @@ Reference solve_body_reference(const Scenario& scenario, const SampleGrid& grid)
     reference.uncertainty_position.push_back(doubt.position_m);
     reference.uncertainty_turn.push_back(doubt.turn_rad);
   }
+  if (scenario.joint) {
+    for (const BodyColumns& body : trace.bodies) reference.joint_force.push_back(body.joint_force);
+  }
   reference.impacts = motion->impacts(grid.time(grid.rows - 1));
   reference.described = motion->described();
   return reference;

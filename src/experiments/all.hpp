@@ -24,6 +24,7 @@ Section denavit_hartenberg(Laboratory& laboratory, Findings& findings);
 Section single_pendulum(Laboratory& laboratory, Findings& findings);
 Section coordinates(Laboratory& laboratory, Findings& findings);
 Section feedback_term(Laboratory& laboratory, Findings& findings);
+Section spring_joint(Laboratory& laboratory, Findings& findings);
 Section remedy(Laboratory& laboratory, Findings& findings);
 
 }  // namespace odeval::experiments

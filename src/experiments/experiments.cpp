@@ -24,6 +24,7 @@ constexpr std::array table{
     Experiment{"single-pendulum", "Was the double pendulum a good choice?", single_pendulum},
     Experiment{"coordinates", "Cartesian or generalized coordinates?", coordinates},
     Experiment{"feedback-term", "What the feedback term keeps together", feedback_term},
+    Experiment{"spring-joint", "ERP and CFM as a spring and a damper", spring_joint},
     Experiment{"remedy", "A fourth-order step beside ODE's collision detection", remedy},
 };
 // clang-format on
