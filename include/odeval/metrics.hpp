@@ -36,6 +36,10 @@ struct Metrics {
   std::optional<double> spin_uncertainty;
   std::optional<double> max_penetration;             // m
   std::optional<double> rest_time;                   // s, from when on no body on a ground moves faster than rest_m_s
+  std::optional<double> time_shift;                  // s, by which the trace runs ahead; empty once it is lost
+  std::optional<double> time_shift_uncertainty;
+  std::optional<double> error_q_after_shift;         // rad
+  std::optional<double> error_position_after_shift;  // m
 };
 
 struct MetricRow {
@@ -68,6 +72,10 @@ inline constexpr MetricRow metric_rows[] = {
   {"spin_uncertainty",      "rad/s", "bound on the error of the reference's own spin", [](const Metrics& m) { return m.spin_uncertainty; }},
   {"max_penetration",       "m",   "deepest overlap of a body with the ground",        [](const Metrics& m) { return m.max_penetration; }},
   {"rest_time",             "s",   "from when on no body on a ground moves faster than 1 mm/s", [](const Metrics& m) { return m.rest_time; }},
+  {"time_shift",            "s",   "how far the trace's clock runs ahead, for the best fit until an impact", [](const Metrics& m) { return m.time_shift; }, "time_shift_uncertainty"},
+  {"time_shift_uncertainty", "s",  "bound on what the reference's own error does to it", [](const Metrics& m) { return m.time_shift_uncertainty; }},
+  {"error_q_after_shift",   "rad", "largest angle error that this shift leaves",       [](const Metrics& m) { return m.error_q_after_shift; }, "reference_uncertainty"},
+  {"error_position_after_shift", "m", "largest error of a coordinate of a body that this shift leaves", [](const Metrics& m) { return m.error_position_after_shift; }, "position_uncertainty"},
 };
 // clang-format on
 

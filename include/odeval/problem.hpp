@@ -33,7 +33,7 @@ struct PlanarFrame {
 /// What a problem is made of, and so which tables of a scenario file it has.
 enum class Family {
   pendulum,  // links on hinges in a plane: q0, qd0, [[links]], [wall]
-  bodies,    // bodies in space, alone or on a ground: [[bodies]], [ground]
+  bodies,    // bodies in space, alone or on a ground: [[bodies]], [ground], [joint]
 };
 
 struct Problem {
@@ -45,6 +45,7 @@ struct Problem {
   Family family = Family::pendulum;
   bool ground = false;    // of bodies: whether there is something to lie on
   bool friction = false;  // of a ground: whether it holds what slides on it
+  bool joint = false;     // of bodies: whether a joint holds the first
 };
 
 /// Report C.2: boxes hang along -z of their own frame and turn about x.
@@ -73,6 +74,8 @@ inline constexpr std::array problems{
             Family::bodies, true},
     Problem{"friction_slide", "a box that slides on the ground until friction holds it; closed form", 0, false,
             body_frame, Family::bodies, true, true},
+    Problem{"spring_joint", "bodies pulled out of a joint; closed form of a damped spring", 0, false, body_frame,
+            Family::bodies, false, false, true},
 };
 
 }  // namespace odeval

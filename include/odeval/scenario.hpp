@@ -93,15 +93,47 @@ struct Wall {
   double restitution = 1;
 };
 
+/// What holds the first body: to the world where it is alone, to the second body where there are two.
+struct Joint {
+  enum class Kind { ball, hinge };
+  Kind kind = Kind::ball;
+  Vec3 anchor_m{};        // where its halves meet when it is closed, world frame
+  Vec3 axis{0, 1, 0};     // of a hinge, unit
+  Vec3 displacement_m{};  // from there to the first body's half at t = 0
+};
+
 enum class Start { as_given, half_step };
 
 /// Along what the two forces of a contact's friction act: ODE's own choice, or the way the contact slides and across.
 enum class FrictionAxes { plane_space, sliding };
+/// How ODE holds a joint together: the part of an error that a step takes back, and how far a force opens it.
+struct Softness {
+  double erp = 0;
+  double cfm = 0;
+};
+
+/// The same as a spring and a damper.
+struct Spring {
+  double kp_N_m = 0;
+  double kd_Ns_m = 0;
+};
+
+/// Report, eqs. 3.6 and 3.7. The same spring is another softness at another step.
+constexpr Softness softness_of(const Spring& spring, double step_s) {
+  const double stiffness = step_s * spring.kp_N_m + spring.kd_Ns_m;
+  return {step_s * spring.kp_N_m / stiffness, 1 / stiffness};
+}
+
+/// The other way round. Without CFM a joint is stiffer than any spring: infinite or not a number.
+constexpr Spring spring_of(const Softness& softness, double step_s) {
+  return {softness.erp / (step_s * softness.cfm), (1 - softness.erp) / softness.cfm};
+}
 
 /// ODE's own settings. Every one is set explicitly in each world, so no default of a build shows through.
 struct OdeSettings {
   double erp = 0.2;
   double cfm = 1e-5;
+  std::optional<Spring> spring;  // in the place of erp and cfm
   int iterations = 20;
   double sor_w = 1.3;
   std::optional<double> bounce;  // absent: the restitution of wall or ground
@@ -112,6 +144,9 @@ struct OdeSettings {
   Start start = Start::as_given;
   std::uint32_t seed = 0;
   bool gyroscopic = true;  // the torque -w x (I w) of a tumbling body
+
+  /// What ODE is given at this step.
+  Softness softness(double step_s) const { return spring ? softness_of(*spring, step_s) : Softness{erp, cfm}; }
 };
 
 /// Feedback of joint errors in the methods with Lagrange multipliers: C'' = -ks C - kd C' (report, 5.36).
@@ -148,6 +183,7 @@ struct Scenario {
   std::optional<Wall> wall;
   std::vector<Body> bodies;
   std::optional<Ground> ground;
+  std::optional<Joint> joint;
   OdeSettings ode;
   MaximalSettings maximal;
   std::optional<double> rtol;  // absent: each adaptive method's own default

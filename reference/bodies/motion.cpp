@@ -7,6 +7,7 @@
 #include "reference/bodies/bouncing_ball.hpp"
 #include "reference/bodies/free_bodies.hpp"
 #include "reference/bodies/sliding_box.hpp"
+#include "reference/bodies/spring_joint.hpp"
 
 namespace odeval::reference {
 namespace {
@@ -22,6 +23,7 @@ constexpr std::array motions{
     MotionRow{"thin_body", make_free_bodies},
     MotionRow{"bouncing_ball", make_bouncing_balls},
     MotionRow{"friction_slide", make_sliding_box},
+    MotionRow{"spring_joint", make_spring_joint},
 };
 
 }  // namespace

@@ -69,6 +69,9 @@ Reference solve_body_reference(const Scenario& scenario, const SampleGrid& grid)
     reference.uncertainty_turn.push_back(doubt.turn_rad);
     reference.uncertainty_spin.push_back(doubt.spin_rad_s);
   }
+  if (scenario.joint) {
+    for (const BodyColumns& body : trace.bodies) reference.joint_force.push_back(body.joint_force);
+  }
   reference.impacts = motion->impacts(grid.time(grid.rows - 1));
   reference.at_rest_from = motion->at_rest_from();
   reference.described = motion->described();

@@ -20,8 +20,9 @@ using namespace maximal;
 
 OdeStepSettings step_settings(const Scenario& scenario) {
   OdeStepSettings settings;
-  settings.erp = scenario.ode.erp;
-  settings.cfm = scenario.ode.cfm;
+  const Softness softness = scenario.ode.softness(scenario.step_s);
+  settings.erp = softness.erp;
+  settings.cfm = softness.cfm;
   settings.gravity = Eigen::Vector3d(0, 0, -scenario.gravity);
   if (scenario.wall) settings.bounce = scenario.ode.bounce.value_or(scenario.wall->restitution);
   settings.bounce_vel = scenario.ode.bounce_vel;

@@ -15,7 +15,11 @@ void turn(dBodyID body, const Vec3& turn_rad) {
   dBodySetQuaternion(body, quaternion);
 }
 
-void add_body(Scene& scene, const Body& what) {
+void put(dBodyID body, const Vec3& position) {
+  dBodySetPosition(body, real(position[0]), real(position[1]), real(position[2]));
+}
+
+dBodyID add_body(Scene& scene, const Body& what) {
   const auto [x, y, z] = what.size_m;
   dMass mass;
   dGeomID geom = nullptr;
@@ -28,10 +32,33 @@ void add_body(Scene& scene, const Body& what) {
   }
   const dBodyID body = scene.add_body(mass, geom);
   turn(body, what.turn_rad);
-  dBodySetPosition(body, real(what.position_m[0]), real(what.position_m[1]), real(what.position_m[2]));
+  put(body, what.position_m);
   dBodySetLinearVel(body, real(what.velocity_m_s[0]), real(what.velocity_m_s[1]), real(what.velocity_m_s[2]));
   dBodySetAngularVel(body, real(what.spin_rad_s[0]), real(what.spin_rad_s[1]), real(what.spin_rad_s[2]));
-  scene.show(body, nullptr);
+  return body;
+}
+
+// A joint remembers where the bodies were when it was given its anchor: the first body stands in its place for that.
+dJointID add_joint(Scene& scene, const Scenario& scenario, const std::vector<dBodyID>& bodies) {
+  const Joint& what = *scenario.joint;
+  const Vec3& start = scenario.bodies.front().position_m;
+  put(bodies[0],
+      {start[0] - what.displacement_m[0], start[1] - what.displacement_m[1], start[2] - what.displacement_m[2]});
+  const dBodyID other = bodies.size() > 1 ? bodies[1] : nullptr;
+  const auto& [x, y, z] = what.anchor_m;
+  dJointID joint = nullptr;
+  if (what.kind == Joint::Kind::hinge) {
+    joint = dJointCreateHinge(scene.world(), nullptr);
+    dJointAttach(joint, bodies[0], other);
+    dJointSetHingeAnchor(joint, real(x), real(y), real(z));
+    dJointSetHingeAxis(joint, real(what.axis[0]), real(what.axis[1]), real(what.axis[2]));
+  } else {
+    joint = dJointCreateBall(scene.world(), nullptr);
+    dJointAttach(joint, bodies[0], other);
+    dJointSetBallAnchor(joint, real(x), real(y), real(z));
+  }
+  put(bodies[0], start);
+  return joint;
 }
 
 void add_ground(Scene& scene, const Scenario& scenario) {
@@ -52,7 +79,10 @@ void add_ground(Scene& scene, const Scenario& scenario) {
 }  // namespace
 
 void build_bodies(Scene& scene, const Scenario& scenario) {
-  for (const Body& body : scenario.bodies) add_body(scene, body);
+  std::vector<dBodyID> bodies;
+  for (const Body& body : scenario.bodies) bodies.push_back(add_body(scene, body));
+  const dJointID joint = scenario.joint ? add_joint(scene, scenario, bodies) : nullptr;
+  for (const dBodyID body : bodies) scene.show(body, joint);
   if (scenario.ground) add_ground(scene, scenario);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// A scenario's bodies in space as an ODE world, and the ground where there is one.
+// A scenario's bodies in space as an ODE world, and the ground or the joint where there is one.
 #include "engine_ode/scene.hpp"
 
 namespace odeval::engine_ode {

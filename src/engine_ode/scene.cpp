@@ -74,8 +74,9 @@ void Scene::set_world(const Scenario& scenario) {
 
   const OdeSettings& ode = scenario.ode;
   dWorldSetGravity(world_, 0, 0, real(-scenario.gravity));
-  dWorldSetERP(world_, real(ode.erp));
-  dWorldSetCFM(world_, real(ode.cfm));
+  const Softness softness = ode.softness(scenario.step_s);
+  dWorldSetERP(world_, real(softness.erp));
+  dWorldSetCFM(world_, real(softness.cfm));
   dWorldSetQuickStepNumIterations(world_, ode.iterations);
   dWorldSetQuickStepW(world_, real(ode.sor_w));
   dWorldSetContactMaxCorrectingVel(world_, real_or_infinity(ode.max_correcting_vel));
@@ -99,8 +100,10 @@ dBodyID Scene::add_body(const dMass& mass, dGeomID geom) {
 void Scene::show(dBodyID body, dJointID joint) {
   const dReal* force = nullptr;
   if (joint != nullptr) {
-    dJointFeedback& feedback = *feedback_.emplace_back(std::make_unique<dJointFeedback>());
-    dJointSetFeedback(joint, &feedback);
+    if (dJointGetFeedback(joint) == nullptr) {
+      dJointSetFeedback(joint, feedback_.emplace_back(std::make_unique<dJointFeedback>()).get());
+    }
+    dJointFeedback& feedback = *dJointGetFeedback(joint);
     force = dJointGetBody(joint, 0) == body ? feedback.f1 : feedback.f2;
   }
   bodies_.push_back(

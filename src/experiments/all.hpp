@@ -32,6 +32,7 @@ Section free_box(Laboratory& laboratory, Findings& findings);
 Section thin_body(Laboratory& laboratory, Findings& findings);
 Section friction(Laboratory& laboratory, Findings& findings);
 Section bouncing_ball(Laboratory& laboratory, Findings& findings);
+Section spring_joint(Laboratory& laboratory, Findings& findings);
 Section remedy(Laboratory& laboratory, Findings& findings);
 Section chain(Laboratory& laboratory, Findings& findings);
 Section quickstep_chain(Laboratory& laboratory, Findings& findings);

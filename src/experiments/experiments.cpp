@@ -35,6 +35,7 @@ constexpr std::array table{
     Experiment{"thin-body", "Long thin bodies and their long axis", thin_body},
     Experiment{"friction", "Friction: pyramid, constant force and Coulomb", friction},
     Experiment{"bouncing-ball", "A ball that bounces, and rests", bouncing_ball},
+    Experiment{"spring-joint", "ERP and CFM as a spring and a damper", spring_joint},
     Experiment{"remedy", "A fourth-order step beside ODE's collision detection", remedy},
     Experiment{"iftomm", "The pendulum of the IFToMM benchmark", iftomm},
     Experiment{"potra", "Two points against a wall (Potra et al. 2006)", potra},

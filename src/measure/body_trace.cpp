@@ -54,17 +54,55 @@ double squared_difference(const std::array<Column, N>& a, const std::array<Colum
   return sum;
 }
 
+Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+
+/// The joint's halves: one on the first body; the other on the second, or in the world.
+class JointHalves {
+ public:
+  explicit JointHalves(const Scenario& scenario) : scenario_(scenario) {}
+
+  /// At t = 0, when the first body's half stands away from the anchor by the displacement.
+  void start(std::size_t body, const BodyState& state) {
+    if (body > 1) return;
+    const Vec3 anchor = scenario_.joint->anchor_m;
+    const Vec3 away = minus(anchor, scenario_.bodies[body].position_m);
+    const Vec3& shift = scenario_.joint->displacement_m;
+    const Vec3 arm = body == 0 ? Vec3{away[0] + shift[0], away[1] + shift[1], away[2] + shift[2]} : away;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      arms_[body][axis] = dot(arm, {state.rotation[axis], state.rotation[3 + axis], state.rotation[6 + axis]});
+    }
+    halves_[1] = anchor;
+  }
+
+  void move(std::size_t body, const BodyState& state) {
+    if (body > 1) return;
+    for (std::size_t k = 0; k < 3; ++k) {
+      halves_[body][k] = state.position[k] + dot(vec(state.rotation + 3 * k), arms_[body]);
+    }
+  }
+
+  double gap() const { return distance(halves_[0], halves_[1]); }
+
+ private:
+  const Scenario& scenario_;
+  std::array<Vec3, 2> arms_{};  // body frame
+  std::array<Vec3, 2> halves_{};
+};
+
 }  // namespace
 
 Trace body_trace(const Scenario& scenario, const SampleGrid& grid, const Rows& rows) {
   const std::size_t count = scenario.bodies.size();
-  const bool torque_free = !scenario.ground;
+  const bool torque_free = !scenario.ground && !scenario.joint;
   Trace trace;
   resize_bodies(trace, count, rows.count());
   for (Column* column : {&trace.t, &trace.kinetic, &trace.potential, &trace.contacts}) column->resize(rows.count());
   (torque_free ? trace.angular_momentum_drift : trace.penetration).resize(rows.count());
   trace.long_axis_spin.assign(count, Column(rows.count()));
 
+  if (scenario.joint) trace.gap.resize(rows.count());
+
+  JointHalves halves(scenario);
   std::vector<Vec3> start(count);
   for (std::size_t k = 0; k < rows.count(); ++k) {
     trace.t[k] = grid.time(static_cast<long>(k));
@@ -83,7 +121,11 @@ Trace body_trace(const Scenario& scenario, const SampleGrid& grid, const Rows& r
         trace.penetration[k] = std::fmax(trace.penetration[k], overlap(what, body, scenario.ground->normal()));
       }
       store_body(trace.bodies[i], k, body);
+      if (!scenario.joint) continue;
+      if (k == 0) halves.start(i, body);
+      halves.move(i, body);
     }
+    if (scenario.joint) trace.gap[k] = halves.gap();
     trace.contacts[k] = rows.row(k)[count * body_numbers];
   }
   return trace;

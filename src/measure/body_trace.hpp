@@ -8,7 +8,7 @@
 namespace odeval {
 
 /// Columns t, kinetic, potential, contacts and those of the bodies; the drift of angular momentum where nothing but
-/// gravity acts, the overlap with the ground where there is one.
+/// gravity acts, the overlap with the ground where there is one, the gap where there is a joint.
 ///
 /// Shapes  `rows` holds a BodyState per body, then the number of contacts; the trace has a row for each
 Trace body_trace(const Scenario& scenario, const SampleGrid& grid, const Rows& rows);

@@ -330,7 +330,8 @@ void add_conditioning(Trace& trace, const Scenario& scenario, SystemMatrix matri
   if (generalized || matrix == SystemMatrix::none) return;
 
   const bool planar = matrix == SystemMatrix::planar_joints;
-  HingeSystem system(trace, scenario, matrix == SystemMatrix::hinge_rows_cfm ? scenario.ode.cfm / scenario.step_s : 0);
+  const double cfm = scenario.ode.softness(scenario.step_s).cfm;
+  HingeSystem system(trace, scenario, matrix == SystemMatrix::hinge_rows_cfm ? cfm / scenario.step_s : 0);
   trace.condition.resize(rows);
   for (std::size_t k = 0; k < rows; ++k) {
     trace.condition[k] = planar ? system.planar_condition(k) : system.condition(k);

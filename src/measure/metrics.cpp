@@ -6,6 +6,7 @@
 #include <string>
 
 #include "measure/body_trace.hpp"
+#include "measure/time_shift.hpp"
 #include "odeval/error.hpp"
 
 namespace odeval {
@@ -104,6 +105,32 @@ void measure_errors(const Trace& trace, const Reference& reference, std::size_t 
   if (first_lost < known) metrics.divergence_time = trace.t[first_lost];
 }
 
+/// Before anything is touched: an impact bends what a shift would move.
+double first_impact(const Trace& trace, const Reference& reference) {
+  double first = reference.impacts.empty() ? infinity : reference.impacts.front().t;
+  for (std::size_t k = 0; k < trace.contacts.size() && trace.t[k] < first; ++k) {
+    if (trace.contacts[k] > 0) first = trace.t[k];
+  }
+  return first;
+}
+
+// Of a trace that is lost, or ends early, it says nothing, nor where nothing moves.
+void measure_time_shift(const Trace& trace, const Reference& reference, std::size_t rows, Metrics& metrics) {
+  constexpr double rows_searched = 2;
+  const bool angles = !trace.error_q.empty();
+  const std::optional<double>& error = angles ? metrics.max_error_q : metrics.max_error_position;
+  if (rows < 2 || !error || !std::isfinite(*error) || metrics.divergence_time || metrics.reference_lost_at) return;
+  const double spacing_s = trace.t[1] - trace.t[0];
+  const double until_s = std::min(trace.t[rows - 1], first_impact(trace, reference) - (rows_searched + 1) * spacing_s);
+  const double most_s = rows_searched * spacing_s;
+  const auto shift = best_time_shift(trace, reference.trace, until_s, most_s);
+  if (!shift || std::fabs(shift->shift_s) >= most_s) return;
+  const double doubt = (angles ? metrics.reference_uncertainty : metrics.position_uncertainty).value_or(0);
+  metrics.time_shift = shift->shift_s;
+  metrics.time_shift_uncertainty = doubt / shift->sensitivity;
+  (angles ? metrics.error_q_after_shift : metrics.error_position_after_shift) = shift->max_left;
+}
+
 void measure_energy(const Trace& trace, std::size_t rows, Metrics& metrics) {
   if (rows == 0) return;
   const double start = trace.kinetic[0] + trace.potential[0];
@@ -197,6 +224,7 @@ Metrics measure(const Trace& trace, const Reference* reference, double until_s) 
     if (!trace.error_position.empty()) measure_body_errors(trace, *reference, rows, metrics);
     measure_reactions(trace, *reference, rows, metrics);
     measure_long_axis_spin(trace, *reference, rows, metrics);
+    if (rows_until(reference->trace.t, until_s) == rows) measure_time_shift(trace, *reference, rows, metrics);
     if (rows_until(reference->trace.t, until_s) > rows) count_as_lost(trace, *reference, metrics);
   }
   return metrics;

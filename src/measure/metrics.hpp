@@ -23,6 +23,7 @@ void compare(Trace& trace, const Reference& reference);
 /// reference does: what a run did not survive it did not do well.
 ///
 /// max_error_q         largest over links and samples; rms_error_q over the same
+/// time_shift          before the first impact, within two rows either way; empty when the run is lost or does not move
 /// max_reaction_error  rows without contact, from row 1: the force in row 0 belongs to no step
 Metrics measure(const Trace& trace, const Reference* reference, double until_s);
 

@@ -3,11 +3,53 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "odeval/metrics.hpp"
 #include "output/table.hpp"
 
 namespace odeval {
+
+namespace {
+
+/// The longest span over which a clock half a step fast explains most of a method's error; null: it never does.
+const Metrics* half_a_step(const RunSummary& run) {
+  if (!run.uses_ode || run.scenario.ode.start == Start::half_step) return nullptr;
+  constexpr double near = 0.1;  // steps
+  constexpr double most = 0.9;  // of the error
+  const Metrics* found = nullptr;
+  for (const Metrics& metrics : run.error_at) {
+    if (!metrics.time_shift || !metrics.max_error_q || !metrics.error_q_after_shift) continue;
+    const bool half = std::fabs(*metrics.time_shift / run.grid.step_s - 0.5) < near;
+    if (half && *metrics.error_q_after_shift < (1 - most) * *metrics.max_error_q) found = &metrics;
+  }
+  return found;
+}
+
+/// What nobody would try unasked.
+std::string half_step_hint(const std::vector<RunSummary>& runs) {
+  for (const RunSummary& run : runs) {
+    if (const Metrics* const metrics = half_a_step(run)) {
+      return fmt::format(
+          "half step  to {:g} s {} is {:.2f} steps ahead of the reference; shifted back, of its error of {:.3g} rad "
+          "{:.3g} "
+          "rad is left: try --start half-step\n",
+          metrics->until_s, run.method, *metrics->time_shift / run.grid.step_s, *metrics->max_error_q,
+          *metrics->error_q_after_shift);
+    }
+  }
+  return "";
+}
+
+/// The springs that the joints were given, as ODE was told.
+std::string spring_line(const Scenario& scenario, double step_s) {
+  if (!scenario.ode.spring) return "";
+  const Softness softness = scenario.ode.softness(step_s);
+  return fmt::format("joints     kp {:g} N/m, kd {:g} N s/m: ERP {:.6g}, CFM {:.6g} at this step\n",
+                     scenario.ode.spring->kp_N_m, scenario.ode.spring->kd_Ns_m, softness.erp, softness.cfm);
+}
+
+}  // namespace
 
 std::string run_report(const std::vector<RunSummary>& runs, std::span<const double> ns_per_step,
                        const Reference& reference) {
@@ -36,6 +78,8 @@ std::string run_report(const std::vector<RunSummary>& runs, std::span<const doub
     text += fmt::format("           itself unknown to {:g} rad from t = {:g} s: nothing is called lost after that\n",
                         divergence_rad, *lost);
   }
+  text += spring_line(scenario, grid.step_s);
+  text += half_step_hint(runs);
   return text;
 }
 

@@ -56,7 +56,14 @@ Json json_of(const Impact& impact) {
 
 Json ode_settings(const Scenario& scenario) {
   const OdeSettings& ode = scenario.ode;
-  Json json = {{"erp", ode.erp}, {"cfm", ode.cfm}, {"iterations", ode.iterations}, {"sor_w", ode.sor_w}};
+  const Softness softness = ode.softness(scenario.step_s);
+  const Spring spring = ode.spring.value_or(spring_of(softness, scenario.step_s));
+  Json json = {{"erp", softness.erp},
+               {"cfm", softness.cfm},
+               {"kp", json_number(spring.kp_N_m)},
+               {"kd", json_number(spring.kd_Ns_m)},
+               {"iterations", ode.iterations},
+               {"sor_w", ode.sor_w}};
   if (scenario.wall || scenario.ground) json["bounce"] = ode.bounce.value_or(scenario.restitution());
   json["bounce_vel"] = ode.bounce_vel;
   json["max_correcting_vel"] = json_number(ode.max_correcting_vel);
@@ -93,6 +100,12 @@ Json settings(const RunSummary& run) {
           scenario.ground->friction_model == FrictionModel::constant ? "constant" : "pyramid";
     }
   }
+  if (scenario.joint) {
+    json["joint"] = {{"kind", scenario.joint->kind == Joint::Kind::hinge ? "hinge" : "ball"},
+                     {"anchor", json_of(scenario.joint->anchor_m)},
+                     {"displacement", json_of(scenario.joint->displacement_m)}};
+    if (scenario.joint->kind == Joint::Kind::hinge) json["joint"]["axis"] = json_of(scenario.joint->axis);
+  }
   if (scenario.wall) json["wall"] = {{"face", scenario.wall->face_m}, {"restitution", scenario.wall->restitution}};
   if (run.uses_ode) json["ode"] = ode_settings(scenario);
   if (run.uses_bounce) {
@@ -114,8 +127,9 @@ Json errors_at(const std::vector<Metrics>& error_at, Family family) {
   for (const Metrics& metrics : error_at) {
     Json& at = json[number_text(metrics.until_s)] = Json::object();
     for (const MetricRow& row : metric_table()) {
+      const bool of_either = row.name.starts_with("time_shift");
       const bool of_angles = row.doubt == "reference_uncertainty" || row.name == "reference_uncertainty";
-      if (is_error(row) && of_angles == (family == Family::pendulum)) {
+      if (is_error(row) && (of_either || of_angles == (family == Family::pendulum))) {
         at[std::string(row.name)] = json_of(row.value(metrics));
       }
     }

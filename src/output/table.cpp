@@ -79,8 +79,10 @@ std::string body_cell(const RunSummary& run, const Metrics* metrics, std::option
 }
 
 std::string body_table(const std::vector<RunSummary>& runs, std::span<const double> ns_per_step) {
-  TextTable table("lrrrrrrrrl", {"method", "distance to 1 s, m", "to the end", "turned to 1 s, rad", "to the end",
-                                 "drift, J", "momentum, N m s", "impacts", "µs/step", "status"});
+  const bool joint = runs.front().scenario.joint.has_value();
+  TextTable table("lrrrrrrrrl",
+                  {"method", "distance to 1 s, m", "to the end", "turned to 1 s, rad", "to the end", "drift, J",
+                   joint ? "force error, N" : "momentum, N m s", "impacts", "µs/step", "status"});
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const RunSummary& run = runs[i];
     const auto position = [&](const Metrics* metrics) {
@@ -91,7 +93,8 @@ std::string body_table(const std::vector<RunSummary>& runs, std::span<const doub
     };
     const Metrics* const early = metrics_until(run, 1);
     table.add({run.method, position(early), position(&run.metrics), turn(early), turn(&run.metrics),
-               three_digits(run.metrics.max_energy_drift), three_digits(run.metrics.max_angular_momentum_drift),
+               three_digits(run.metrics.max_energy_drift),
+               three_digits(joint ? run.metrics.max_reaction_error : run.metrics.max_angular_momentum_drift),
                std::to_string(run.outcome.impacts.size()), cost_cell(ns_per_step, i), status(run)});
   }
   return table.text();

@@ -92,6 +92,7 @@ class Reader {
     for (const SectionRow& section : section_table()) {
       if (const toml::node* node = tree.get(section.name)) read_section(section, *node);
     }
+    choose_softness(tree);
     if (scenario_.family() == Family::pendulum) {
       settle_chain(tree);
       check_shapes();
@@ -103,10 +104,21 @@ class Reader {
     check_tolerances();
     check_grid();
     if (scenario_.ground) lay_on_ground(scenario_);
+    put_joint();
     return scenario_;
   }
 
  private:
+  void put_joint() {
+    if (!scenario_.joint) return;
+    Vec3& axis = scenario_.joint->axis;
+    const double length = std::sqrt(dot(axis, axis));
+    for (std::size_t k = 0; k < 3; ++k) {
+      axis[k] /= length;
+      scenario_.bodies.front().position_m[k] += scenario_.joint->displacement_m[k];
+    }
+  }
+
   enum class Blame { whole, parts };
 
   /// The last setting that gave the value at the path, or with Blame::parts something inside it; null: the file did.
@@ -165,6 +177,7 @@ class Reader {
       if (table == nullptr) fail(name, shown(node), fmt::format("must be a table [{}]", name));
       if (name == "wall") scenario_.wall.emplace();
       if (name == "ground") scenario_.ground.emplace();
+      if (name == "joint") scenario_.joint.emplace();
       read_table(*table, name, name);
       return;
     }
@@ -320,6 +333,39 @@ class Reader {
     }
   }
 
+  /// ERP and CFM, or kp and kd: both or none. The command line may replace the file's pair by the other.
+  void choose_softness(const toml::table& tree) {
+    const auto given = [&](const char* key) { return static_cast<bool>(tree.at_path(key)); };
+    const auto typed_key = [&](const char* one, const char* other) {
+      const auto typed_one = [&](const char* key) { return given(key) && setting_of(key) != nullptr; };
+      return typed_one(one) ? one : typed_one(other) ? other : nullptr;
+    };
+    if (!given("ode.kp") && !given("ode.kd")) return;
+    for (const auto& [key, other] : {std::pair{"ode.kp", "ode.kd"}, std::pair{"ode.kd", "ode.kp"}}) {
+      if (!given(key)) fail(other, shown(*tree.at_path(other).node()), fmt::format("needs {} beside it", key));
+    }
+    const char* const soft = typed_key("ode.erp", "ode.cfm");
+    const bool spring = typed_key("ode.kp", "ode.kd") != nullptr;
+    if (soft != nullptr && !spring) {
+      if (!given("ode.erp") || !given("ode.cfm")) {
+        fail(soft, "", "must come with both ode.erp and ode.cfm, to replace the file's ode.kp and ode.kd");
+      }
+      scenario_.ode.spring.reset();
+      return;
+    }
+    const char* const both = given("ode.erp") ? "ode.erp" : given("ode.cfm") ? "ode.cfm" : nullptr;
+    if (both != nullptr && (soft != nullptr || !spring)) {
+      fail(soft != nullptr ? soft : both, shown(*tree.at_path(both).node()),
+           "says the same as ode.kp and ode.kd; give one pair or the other");
+    }
+    constexpr double softest = 1e3;  // the greatest ode.cfm
+    const double cfm = scenario_.ode.softness(scenario_.step_s).cfm;
+    if (!(cfm <= softest)) {
+      fail("ode.kd", fmt::format("{}", scenario_.ode.spring->kd_Ns_m),
+           fmt::format("must make step * kp + kd at least {:g} N s/m; it is {:g}", 1 / softest, 1 / cfm), Blame::parts);
+    }
+  }
+
   void check_against_problem(const toml::table& tree) const {
     const Problem& problem = *scenario_.problem;
     if (problem.family == Family::pendulum) {
@@ -327,7 +373,8 @@ class Reader {
     } else {
       check_bodies(tree);
     }
-    for (const auto& [section, needed] : {std::pair{"wall", problem.wall}, std::pair{"ground", problem.ground}}) {
+    for (const auto& [section, needed] :
+         {std::pair{"wall", problem.wall}, std::pair{"ground", problem.ground}, std::pair{"joint", problem.joint}}) {
       if (needed && !tree.contains(section)) {
         fail(section, "", fmt::format("is missing; {} needs [{}]", problem.name, section));
       }
@@ -338,6 +385,7 @@ class Reader {
       refuse(tree, "ode", "friction_axes");
     }
     if (problem.wall) check_clear_of_wall();
+    if (problem.joint) check_joint();
   }
 
   /// A key that another kind of problem has.
@@ -410,6 +458,16 @@ class Reader {
       x = end;
     }
     return least;
+  }
+
+  void check_joint() const {
+    if (scenario_.bodies.size() > 2) {
+      fail("bodies", fmt::format("{} tables", scenario_.bodies.size()),
+           fmt::format("must be one table [[bodies]] or two for {}", scenario_.problem->name));
+    }
+    if (dot(scenario_.joint->axis, scenario_.joint->axis) == 0) {
+      fail("joint.axis", "[0, 0, 0]", "must have a direction");
+    }
   }
 
   void check_clear_of_wall() const {

@@ -19,10 +19,13 @@ std::vector<std::string> problem_names(const Names&) {
 std::vector<std::string> shape_names(const Names&) { return {"box", "sphere"}; }
 std::vector<std::string> friction_models(const Names&) { return {"pyramid", "constant"}; }
 std::vector<std::string> friction_axes(const Names&) { return {"plane-space", "sliding"}; }
+std::vector<std::string> joint_names(const Names&) { return {"ball", "hinge"}; }
 std::vector<std::string> start_names(const Names&) { return {"as-given", "half-step"}; }
 std::vector<std::string> switch_names(const Names&) { return {"on", "off"}; }
 std::vector<std::string> method_names(const Names& names) { return names.methods; }
 std::vector<std::string> metric_names(const Names& names) { return names.metrics; }
+
+Spring& spring_of(Scenario& s) { return s.ode.spring ? *s.ode.spring : s.ode.spring.emplace(); }
 
 Vec3 vector(const KeyValue& value) { return {value.numbers[0], value.numbers[1], value.numbers[2]}; }
 
@@ -92,7 +95,7 @@ constexpr KeyRow rows[] = {
       [](S& s, const V& v) { s.bodies.back().mass_kg = v.number; }},
   {"bodies", "size",     numbers, "m",     1e-4, 1e3,  false, nullptr, "", "sides along the body's own axes; of a sphere the diameter, three times",
       [](S& s, const V& v) { s.bodies.back().size_m = vector(v); }, 3},
-  {"bodies", "position", numbers, "m",     -1e4, 1e4,  false, nullptr, "0", "of the centre at t = 0; this and the next three along the ground where there is one: downhill, across, away",
+  {"bodies", "position", numbers, "m",     -1e4, 1e4,  false, nullptr, "0", "of the centre at t = 0, from where [joint] displaces the first body; this and the next three along the ground where there is one: downhill, across, away",
       [](S& s, const V& v) { s.bodies.back().position_m = vector(v); }, 3},
   {"bodies", "turn",     numbers, "rad",   -1e3, 1e3,  false, nullptr, "0", "rotation vector that turns the world's axes into the body's at t = 0",
       [](S& s, const V& v) { s.bodies.back().turn_rad = vector(v); }, 3},
@@ -112,10 +115,23 @@ constexpr KeyRow rows[] = {
   {"ground", "friction_model", word, "",   0, 0,      false, friction_models, "pyramid", "what bounds friction: the normal force, or a constant",
       [](S& s, const V& v) { s.ground->friction_model = v.word == "constant" ? FrictionModel::constant : FrictionModel::pyramid; }},
 
+  {"joint", "kind",         word,    "",  0, 0,      false, joint_names, "", "of the first body to the world, or to the second where there are two",
+      [](S& s, const V& v) { s.joint->kind = v.word == "hinge" ? Joint::Kind::hinge : Joint::Kind::ball; }},
+  {"joint", "anchor",       numbers, "m", -1e4, 1e4, false, nullptr, "0", "where the joint is when it is closed",
+      [](S& s, const V& v) { s.joint->anchor_m = vector(v); }, 3},
+  {"joint", "axis",         numbers, "",  -1e3, 1e3, false, nullptr, "[0, 1, 0]", "of a hinge",
+      [](S& s, const V& v) { s.joint->axis = vector(v); }, 3},
+  {"joint", "displacement", numbers, "m", -1e3, 1e3, false, nullptr, "0", "how far the first body stands away from its place at t = 0",
+      [](S& s, const V& v) { s.joint->displacement_m = vector(v); }, 3},
+
   {"ode", "erp",                number, "",       0, 1,          false, nullptr, "0.2", "error reduction parameter",
       [](S& s, const V& v) { s.ode.erp = v.number; }},
   {"ode", "cfm",                number, "",       0, 1e3,        false, nullptr, "1e-5", "constraint force mixing",
       [](S& s, const V& v) { s.ode.cfm = v.number; }},
+  {"ode", "kp",                 number, "N/m",    0, 1e12,       false, nullptr, "erp and cfm", "spring of the joints; with kd in the place of erp and cfm",
+      [](S& s, const V& v) { spring_of(s).kp_N_m = v.number; }},
+  {"ode", "kd",                 number, "N s/m",  0, 1e12,       false, nullptr, "erp and cfm", "damper of the joints; with kp in the place of erp and cfm",
+      [](S& s, const V& v) { spring_of(s).kd_Ns_m = v.number; }},
   {"ode", "iterations",         whole,  "",       1, 100000,     false, nullptr, "20", "of QuickStep",
       [](S& s, const V& v) { s.ode.iterations = static_cast<int>(v.number); }},
   {"ode", "sor_w",              number, "",       0, 2,          true,  nullptr, "1.3", "over-relaxation of QuickStep",
@@ -155,8 +171,8 @@ constexpr KeyRow rows[] = {
 };
 // clang-format on
 
-constexpr SectionRow sections[] = {{"links", true}, {"wall", false},    {"bodies", true},    {"ground", false},
-                                   {"ode", false},  {"maximal", false}, {"tolerances", true}};
+constexpr SectionRow sections[] = {{"links", true},  {"wall", false}, {"bodies", true},   {"ground", false},
+                                   {"joint", false}, {"ode", false},  {"maximal", false}, {"tolerances", true}};
 
 }  // namespace
 

@@ -88,8 +88,9 @@ std::string wanted_body_header(const Scenario& scenario) {
     for (std::size_t i = 1; i <= scenario.bodies.size(); ++i) columns += std::string(name) + std::to_string(i) + ',';
     return columns;
   };
-  return "t,kinetic,potential,energy,energy_drift," + each("error_position") + each("error_turn") +
-         (scenario.ground ? "penetration," : "angular_momentum_drift,") + "contacts,";
+  const char* const own = scenario.ground ? "penetration," : scenario.joint ? "" : "angular_momentum_drift,";
+  return "t,kinetic,potential,energy,energy_drift," + std::string(scenario.joint ? "gap," : "") +
+         each("error_position") + each("error_turn") + own;
 }
 
 // Bodies as their scenario file has them, for its first tenth.

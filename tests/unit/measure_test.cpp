@@ -318,6 +318,41 @@ void reactions_count_without_contact_and_after_the_first_row() {
   CHECK_EQUAL(measure(trace, &reference, 1).max_reaction_error.value(), 0.0);
 }
 
+// An angle that turns evenly, 3 ms ahead, with an error of its own at one sample; an impact ends what is looked at.
+void a_clock_that_is_ahead_shows() {
+  constexpr double ahead_s = 3e-3;
+  Reference reference;
+  reference.trace.q.resize(1);
+  reference.trace.qd.resize(1);
+  Trace trace = reference.trace;
+  for (int k = 0; k <= 100; ++k) {
+    const double t = 0.01 * k;
+    for (Trace* one : {&trace, &reference.trace}) {
+      one->t.push_back(t);
+      one->q[0].push_back(2 * (one == &trace ? t + ahead_s : t));
+      one->qd[0].push_back(2);
+      for (Column* column : {&one->kinetic, &one->potential, &one->contacts}) column->push_back(0);
+    }
+    reference.uncertainty_q.push_back(1e-6);
+  }
+  compare(trace, reference);
+  const Metrics metrics = measure(trace, &reference, 1);
+  CHECK_NEAR(metrics.time_shift.value(), ahead_s, 1e-12);
+  CHECK_NEAR(metrics.error_q_after_shift.value(), 0, 1e-12);
+  CHECK_NEAR(metrics.max_error_q.value(), 2 * ahead_s, 1e-12);
+  CHECK_NEAR(metrics.time_shift_uncertainty.value(), 1e-6 / 2, 1e-12);
+
+  trace.q[0][60] += 0.05;
+  CHECK_NEAR(measure(trace, &reference, 0.5).error_q_after_shift.value(), 0, 1e-12);
+  CHECK_BETWEEN(measure(trace, &reference, 1).error_q_after_shift.value(), 0.049, 0.05);
+  reference.impacts.push_back({0.55, 0, 0, 0, 0});
+  CHECK_NEAR(measure(trace, &reference, 1).error_q_after_shift.value(), 0, 1e-12);
+  compare(trace, reference);
+  trace.q[0][60] += 1;
+  compare(trace, reference);
+  CHECK(!measure(trace, &reference, 1).time_shift);  // lost
+}
+
 void the_table_reads_every_metric() {
   Metrics metrics;
   metrics.max_error_q = 1;
@@ -337,9 +372,15 @@ void the_table_reads_every_metric() {
   metrics.max_angular_momentum_drift = 15;
   metrics.max_long_axis_spin = 16;
   metrics.spin_uncertainty = 17;
+  metrics.max_penetration = 18;
+  metrics.rest_time = 19;
+  metrics.time_shift = 20;
+  metrics.time_shift_uncertainty = 21;
+  metrics.error_q_after_shift = 22;
+  metrics.error_position_after_shift = 23;
   double expected = 0;
   for (const MetricRow& row : metric_table()) CHECK_EQUAL(row.value(metrics).value_or(0), ++expected);
-  CHECK_EQUAL(expected, 17.0);
+  CHECK_EQUAL(expected, 23.0);
   CHECK(metric_named("max_gap") != nullptr);
   CHECK(metric_named("max_gape") == nullptr);
 }
@@ -391,6 +432,7 @@ int main() {
   not_a_number_is_never_small();
   a_run_that_ended_early_is_lost();
   reactions_count_without_contact_and_after_the_first_row();
+  a_clock_that_is_ahead_shows();
   the_table_reads_every_metric();
   tolerances_are_kept_or_not();
   return odeval::test::verdict();

@@ -132,7 +132,7 @@ void fallbacks_are_what_the_table_says() {
   for (const KeyRow& row : key_table()) {
     const bool is_value = row.kind == KeyKind::number || row.kind == KeyKind::whole || row.name == "start";
     const bool is_word = row.name == "sample" || row.name == "bounce" || row.name.ends_with("tol") || row.name == "n" ||
-                         row.name == "depth";
+                         row.name == "depth" || row.fallback == "erp and cfm";
     if (row.required() || !is_value || is_word || row.section == "tolerances") continue;
     const std::string quote = row.kind == KeyKind::word ? "\"" : "";
     const std::string line = std::string(row.name) + " = " + quote + std::string(row.fallback) + quote + "\n";
@@ -427,6 +427,52 @@ void scenarios_are_found_by_name() {
   CHECK_THROWS(find_scenario("x", "empty"), UserError, "there is no scenario file in empty");
 }
 
+// A joint's spring: both values or none, and not beside erp and cfm but in their place.
+void springs_take_the_place_of_erp_and_cfm() {
+  const std::string spring = single + "[ode]\nkp = 100\nkd = 2\n";
+  const Scenario scenario = read(spring);
+  CHECK_EQUAL(scenario.ode.softness(1e-3).cfm, 1 / 2.1);
+  CHECK_NEAR(scenario.ode.softness(1e-3).erp, 0.1 / 2.1, 1e-16);
+  CHECK_NEAR(scenario.ode.softness(1e-2).erp, 1 / 3.0, 1e-16);  // of each step anew
+  CHECK_EQUAL(read(single).ode.softness(1e-2).erp, 0.2);
+  CHECK_EQUAL(with(spring, "ode.kp", "50").ode.spring->kp_N_m, 50.0);
+
+  const std::vector<Override> replaced_by{{"ode.erp", "0.3", "--erp"}, {"ode.cfm", "0", "--cfm"}};
+  CHECK(!read(spring, replaced_by).ode.spring);
+  CHECK_EQUAL(read(spring, replaced_by).ode.softness(1e-3).erp, 0.3);
+  const std::string soft = single + "[ode]\nerp = 0.1\ncfm = 1e-3\n";
+  const std::vector<Override> replacing{{"ode.kp", "100", "--kp"}, {"ode.kd", "2", "--kd"}};
+  CHECK_EQUAL(read(soft, replacing).ode.softness(1e-3).cfm, 1 / 2.1);
+
+  CHECK_THROWS(read(single, {{"ode.kp", "100", "--kp"}}), UserError, "--kp 100: ode.kp needs ode.kd beside it");
+  CHECK_THROWS(read(single + "[ode]\nkd = 2\n"), UserError, "x.toml: ode.kd = 2: needs ode.kp beside it");
+  CHECK_THROWS(read(spring, {{"ode.erp", "0.3", "--erp"}}), UserError,
+               "--erp 0.3: ode.erp must come with both ode.erp and ode.cfm, to replace the file's ode.kp and ode.kd");
+  CHECK_THROWS(read(single, {replacing[0], replacing[1], replaced_by[0]}), UserError,
+               "--erp 0.3: ode.erp says the same as ode.kp and ode.kd; give one pair or the other");
+  CHECK_THROWS(read(spring + "erp = 0.2\n"), UserError, "x.toml: ode.erp = 0.2: says the same as ode.kp and ode.kd");
+  CHECK_THROWS(read(single, {{"ode.kp", "0", "--kp"}, {"ode.kd", "0", "--kd"}}), UserError,
+               "--kd 0: ode.kd must make step * kp + kd at least 0.001 N s/m; it is 0");
+  CHECK_THROWS(with(spring, "ode.kd", "-1"), UserError, "ode.kd must be a number from 0 to");
+}
+
+void joints() {
+  const std::string body = "[[bodies]]\nmass = 1\nsize = [1, 1, 1]\nposition = [0, 0, 2]\n";
+  const std::string joint =
+      "[joint]\nkind = \"hinge\"\nanchor = [0, 0, 1]\naxis = [0, 3, 4]\ndisplacement = [0, 0, 0.5]\n";
+  const std::string text = "problem = \"spring_joint\"\nduration = 1\n";
+  const Scenario scenario = read(text + body + joint);
+  CHECK(scenario.joint->kind == Joint::Kind::hinge);
+  CHECK_NEAR(scenario.joint->axis[2], 0.8, 1e-16);
+  CHECK_EQUAL(scenario.bodies[0].position_m[2], 2.5);  // displaced
+  CHECK_EQUAL(scenario.joint->anchor_m[2], 1.0);
+  CHECK_THROWS(read(text + body), UserError, "x.toml: joint is missing; spring_joint needs [joint]");
+  CHECK_THROWS(read(text + body + body + body + joint), UserError, "must be one table [[bodies]] or two");
+  CHECK_THROWS(with(text + body + joint, "joint.axis", "[0, 0, 0]"), UserError, "joint.axis must have a direction");
+  CHECK_THROWS(with(text + body + joint, "joint.kind", "slider"), UserError, "must be one of ball, hinge");
+  CHECK_THROWS(read(single + joint), UserError, "joint has no meaning for single_pendulum");
+}
+
 void nearest_words() {
   CHECK_EQUAL(edit_distance("kitten", "sitting"), 3u);
   CHECK_EQUAL(edit_distance("", "abc"), 3u);
@@ -455,5 +501,7 @@ int main() {
   the_grid_reaches_the_duration();
   scenarios_are_found_by_name();
   nearest_words();
+  springs_take_the_place_of_erp_and_cfm();
+  joints();
   return odeval::test::verdict();
 }

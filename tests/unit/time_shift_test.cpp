@@ -4,7 +4,6 @@
 #include <cmath>
 #include <functional>
 
-#include "odeval/error.hpp"
 #include "tests/check.hpp"
 
 using namespace odeval;
@@ -32,7 +31,7 @@ Trace two_angles(double until_s, double lead_s, double bias = 0) {
 void check_known_shifts() {
   const Trace wanted = two_angles(1.2, 0);
   for (const double lead : {0.5 * step_s, -0.5 * step_s, 0.37 * step_s, 1.9 * step_s, 0.0}) {
-    const TimeShift found = best_time_shift(two_angles(1.1, lead), wanted, 1.0, 2 * step_s);
+    const TimeShift found = best_time_shift(two_angles(1.1, lead), wanted, 1.0, 2 * step_s).value();
     // Hermite between samples is off by h^4/384 * |q''''| = 1e-12/384 * 1250 = 3e-12 rad, at rates of order 5 rad/s.
     CHECK_NEAR(found.shift_s, lead, 3e-12);
     CHECK_BETWEEN(found.rms_left, 0, 3.3e-12);
@@ -46,7 +45,8 @@ void check_known_shifts() {
 // the motion, which is small, so that b / sqrt(2) remains.
 void check_rest_stays() {
   const double bias = 1e-4;
-  const TimeShift found = best_time_shift(two_angles(1.1, step_s / 2, bias), two_angles(1.2, 0), 1.0, 2 * step_s);
+  const TimeShift found =
+      best_time_shift(two_angles(1.1, step_s / 2, bias), two_angles(1.2, 0), 1.0, 2 * step_s).value();
   CHECK_NEAR(found.shift_s, step_s / 2, 2e-6);  // b <qd1> / <qd1^2 + qd2^2> = 1e-4 * 0.05 / 55 and a margin
   CHECK_NEAR(found.rms_left, bias / std::sqrt(2.0), 1e-3 * bias);
 }
@@ -54,15 +54,15 @@ void check_rest_stays() {
 void check_limits() {
   const Trace wanted = two_angles(1.2, 0);
   // A shift beyond what may be looked for ends at that, and says by its rest that it explains nothing.
-  const TimeShift found = best_time_shift(two_angles(1.1, 5 * step_s), wanted, 1.0, 2 * step_s);
+  const TimeShift found = best_time_shift(two_angles(1.1, 5 * step_s), wanted, 1.0, 2 * step_s).value();
   CHECK_NEAR(found.shift_s, 2 * step_s, 1e-15);
   CHECK_BETWEEN(found.rms_left, 1e-2, 2e-2);  // 3 ms at 5.2 rad/s
 
   Trace still = two_angles(1.1, 0);
   for (Column& rates : still.qd) rates.assign(still.rows(), 0.0);
   for (Column& angles : still.q) angles.assign(still.rows(), 1.0);
-  CHECK_THROWS(best_time_shift(still, still, 1.0, step_s), MachineError, "no motion");
-  CHECK_THROWS(best_time_shift(wanted, wanted, -1.0, step_s), MachineError, "no motion");
+  CHECK(!best_time_shift(still, still, 1.0, step_s));
+  CHECK(!best_time_shift(wanted, wanted, -1.0, step_s));
 }
 
 }  // namespace
