@@ -34,9 +34,9 @@ struct Metrics {
   std::optional<double> max_angular_momentum_drift;  // N m s
   std::optional<double> max_long_axis_spin;          // rad/s
   std::optional<double> spin_uncertainty;
-  std::optional<double> max_penetration;             // m
-  std::optional<double> rest_time;                   // s, from when on no body on a ground moves faster than rest_m_s
-  std::optional<double> time_shift;                  // s, by which the trace runs ahead; empty once it is lost
+  std::optional<double> max_penetration;  // m
+  std::optional<double> rest_time;        // s, from when on no body on a ground moves faster than rest_m_s
+  std::optional<double> time_shift;       // s, by which the trace runs ahead; empty once it is lost
   std::optional<double> time_shift_uncertainty;
   std::optional<double> error_q_after_shift;         // rad
   std::optional<double> error_position_after_shift;  // m

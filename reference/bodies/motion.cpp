@@ -19,10 +19,8 @@ struct MotionRow {
 
 /// The one table of true motions, a row a problem of the family.
 constexpr std::array motions{
-    MotionRow{"free_box", make_free_bodies},
-    MotionRow{"thin_body", make_free_bodies},
-    MotionRow{"bouncing_ball", make_bouncing_balls},
-    MotionRow{"friction_slide", make_sliding_box},
+    MotionRow{"free_box", make_free_bodies},         MotionRow{"thin_body", make_free_bodies},
+    MotionRow{"bouncing_ball", make_bouncing_balls}, MotionRow{"friction_slide", make_sliding_box},
     MotionRow{"spring_joint", make_spring_joint},
 };
 

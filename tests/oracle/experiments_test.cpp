@@ -191,16 +191,16 @@ constexpr Band bands[] = {
     {"order.off_fine", 0.0278, 0.029},       // 0.0284
     {"C3.error_ratio", 0.054, 0.0563},       // 0.0552
     {"C3.condition_ratio", 784, 817},        // 800
-    {"coordinates.feedback_gain", 107.3, 111.7},        // 109.5
-    {"coordinates.scheme_ratio", 0.00933, 0.00972},     // 0.00953: as 1 / feedback_gain, but for what the gap does
-    {"C5.digits_regained", 10.19, 10.21},               // 10.20: (2 l + c) / c, l the greatest eigenvalue, c = CFM/h
-    {"C5.error_ratio", 0.9999, 1.003},                  // 1.0012
-    {"conditioning.near_singular_digits", 4.09, 4.12},  // 4.10
-    {"C15.matrix_drift", 0.793, 0.826},                 // 0.809
-    {"C15.quaternion_drift", 1e-16, 1e-14},             // 2e-15: rounding, whatever a compiler makes of it
-    {"C16.gap_ratio", 4.63, 4.83},                      // 4.73
-    {"O2.gain", 4.04, 4.21},                            // 4.126
-    {"O3.drift_ratio", 1.546, 1.61},                    // 1.578
+    {"coordinates.feedback_gain", 107.3, 111.7},         // 109.5
+    {"coordinates.scheme_ratio", 0.00933, 0.00972},      // 0.00953: as 1 / feedback_gain, but for what the gap does
+    {"C5.digits_regained", 10.19, 10.21},                // 10.20: (2 l + c) / c, l the greatest eigenvalue, c = CFM/h
+    {"C5.error_ratio", 0.9999, 1.003},                   // 1.0012
+    {"conditioning.near_singular_digits", 4.09, 4.12},   // 4.10
+    {"C15.matrix_drift", 0.793, 0.826},                  // 0.809
+    {"C15.quaternion_drift", 1e-16, 1e-14},              // 2e-15: rounding, whatever a compiler makes of it
+    {"C16.gap_ratio", 4.63, 4.83},                       // 4.73
+    {"O2.gain", 4.04, 4.21},                             // 4.126
+    {"O3.drift_ratio", 1.546, 1.61},                     // 1.578
     {"C2.chain_error_ratio", 2.03, 2.11},                // 2.070
     {"C3.error_exponent", 0.59, 0.67},                   // 0.628
     {"chain.condition_exponent_generalized", 4.2, 4.4},  // 4.30

@@ -133,8 +133,8 @@ Stop stop(Scenario scenario, double direction, std::string_view method) {
           std::atan2(y, x) - direction};
 }
 
-// A step takes mu g h from the speed, once the start has settled (350 steps): normal forces of frictionless contacts add up to the
-// weight, and the limits that they set stay (dWorldStep).
+// A step takes mu g h from the speed, once the start has settled (350 steps): normal forces of frictionless contacts
+// add up to the weight, and the limits that they set stay (dWorldStep).
 void own_law() {
   for (const char* model : {"pyramid", "constant"}) {
     Scenario scenario = slide({{"ground.friction_model", std::string("\"") + model + "\"", ""}});
