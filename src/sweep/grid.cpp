@@ -10,11 +10,17 @@
 namespace odeval::sweep {
 namespace {
 
-[[noreturn]] void fail(const std::string& text, const std::string& rule) {
-  std::string shown = text.substr(0, 80);
+/// On one line and not too long, for a message.
+std::string shown(const std::string& text) {
+  constexpr std::size_t longest = 80;
+  std::string line = text.substr(0, longest);
   std::replace_if(
-      shown.begin(), shown.end(), [](unsigned char letter) { return letter < 32 || letter == 127; }, ' ');
-  throw UserError("--grid " + shown + (shown.size() < text.size() ? "..." : "") + ": " + rule);
+      line.begin(), line.end(), [](unsigned char letter) { return letter < 32 || letter == 127; }, ' ');
+  return line + (line.size() < text.size() ? "..." : "");
+}
+
+[[noreturn]] void fail(const std::string& text, const std::string& rule) {
+  throw UserError("--grid " + shown(text) + ": " + rule);
 }
 
 /// At commas outside of brackets and quotes.
@@ -113,7 +119,7 @@ Axis parse_axis(const std::string& text, const std::function<bool(const std::str
   std::set<std::string> seen;
   for (const std::string& value : axis.values) {
     if (value.empty()) fail(text, "has an empty value");
-    if (!seen.insert(value).second) fail(text, "has the value " + value + " twice");
+    if (!seen.insert(value).second) fail(text, "has the value " + shown(value) + " twice");
   }
   return axis;
 }
@@ -121,10 +127,10 @@ Axis parse_axis(const std::string& text, const std::function<bool(const std::str
 Grid::Grid(std::vector<Axis> axes) : axes_(std::move(axes)) {
   std::set<std::string> keys;
   for (const Axis& axis : axes_) {
-    if (!keys.insert(axis.key).second) throw UserError("--grid " + axis.key + ": stands twice");
+    if (!keys.insert(axis.key).second) throw UserError("--grid " + shown(axis.key) + ": stands twice");
     runs_ *= static_cast<long>(axis.values.size());
     if (runs_ > most_runs) {
-      throw UserError("--grid " + axis.key + ": makes more than " + std::to_string(most_runs) + " runs");
+      throw UserError("--grid " + shown(axis.key) + ": makes more than " + std::to_string(most_runs) + " runs");
     }
   }
 }
@@ -152,7 +158,7 @@ Shard parse_shard(const std::string& text) {
   const bool numbers = slash != std::string::npos && is_number(text.substr(0, slash), shard.index) &&
                        is_number(text.substr(slash + 1), shard.count);
   if (!numbers || shard.index < 1 || shard.index > shard.count || shard.count > most_runs) {
-    throw UserError("--shard " + text.substr(0, 40) + ": must be I/N with I from 1 to N, e.g. --shard 2/8");
+    throw UserError("--shard " + shown(text) + ": must be I/N with I from 1 to N, e.g. --shard 2/8");
   }
   return shard;
 }

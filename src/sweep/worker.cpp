@@ -127,7 +127,7 @@ Answer do_task(const Work& work, const std::vector<Shared>& shared, const Task& 
 /// Signals as a program finds them when it starts. An interrupt at the terminal goes to all its processes at once and
 /// is the parent's to answer.
 void reset_signals() {
-  for (const int signal : {SIGTERM, SIGHUP, SIGQUIT, SIGXFSZ}) ::signal(signal, SIG_DFL);
+  for (const int signal : {SIGTERM, SIGHUP, SIGQUIT}) ::signal(signal, SIG_DFL);
   ::signal(SIGINT, SIG_IGN);
   sigset_t none;
   ::sigemptyset(&none);

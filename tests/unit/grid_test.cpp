@@ -40,6 +40,8 @@ void axes() {
                           "step=log:1:2:2000000", "step=lin:1:2:3.5", "step=lin:1:1:2"}) {
     CHECK_THROWS(parse_axis(bad, none_whole), UserError, "--grid");
   }
+  // Found by scripts/fuzz: a line break in what is quoted.
+  CHECK_THROWS(parse_axis("a=1\n,1\n", none_whole), UserError, "has the value 1  twice");
 }
 
 void products() {
