@@ -71,7 +71,8 @@ void discrete_law() {
         CHECK_BETWEEN(off_the_law(scenario, run), 0, 1e-12);
         CHECK(std::fabs(run.trace.bodies[0].position[0].back() - 0.05) > 1e-3);  // something moved
         if (softness.cfm > 0) continue;
-        for (std::size_t k = 1; k < run.trace.rows() && run.trace.gap[k - 1] > 1e-10; ++k) {
+        // A step rounds what gravity adds and the joint takes away again: 1e-21 m, of a gap that must not be as small.
+        for (std::size_t k = 1; k < run.trace.rows() && run.trace.gap[k - 1] > 1e-8; ++k) {
           CHECK_NEAR(run.trace.gap[k] / run.trace.gap[k - 1], 1 - softness.erp, 1e-12);
         }
       }

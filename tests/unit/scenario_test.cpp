@@ -270,7 +270,7 @@ void wrong_values_are_refused() {
   refuses_at_end("colour = 1", "links.0.colour = 1: is no known key");
   refuses_at_end("[ode]\niterations = 20.0", "ode.iterations = 20.0: must be a whole number from 1 to 100000");
   refuses_at_end("[maximal]\nks = -1", "maximal.ks = -1: must be a number from 0 to 1e+14 1/s²");
-  refuses_at_end("[maximal]\nkp = 1", "maximal.kp = 1: is no known key (nearest: 'maximal.k");
+  refuses_at_end("[maximal]\nksd = 1", "maximal.ksd = 1: is no known key (nearest: 'maximal.k");
   refuses_at_end("[ode]\niterations = 0", "ode.iterations = 0: must be a whole number");
   refuses_at_end("[ode]\nseed = 1.0", "ode.seed = 1.0: must be a whole number from 0 to 4294967295");
   refuses_at_end("[ode]\nseed = 4294967296", "ode.seed = 4294967296: must be a whole number");
