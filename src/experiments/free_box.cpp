@@ -1,6 +1,7 @@
 // The "boxes" benchmark of Gazebo in ODE: what the integration of a single free body is worth.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "experiments/all.hpp"
@@ -102,6 +103,12 @@ Section free_box(Laboratory& laboratory, Findings& findings) {
           fallen.y.push_back(*all.max_error_position);
         }
         if (step_s == file.step_s && !std::string_view(name).starts_with("ode-quickstep")) {
+          const Column& error = run.trace.error_turn[0];
+          const auto lost = std::ranges::find_if(error, [](double angle) { return angle > divergence_rad; });
+          if (which.tumbles && name == std::string_view("ode-step-double") && lost != error.end()) {
+            over_time.shade = report::Shade{run.trace.t[static_cast<std::size_t>(lost - error.begin())],
+                                            fmt::format("dWorldStep is off by more than {} rad", divergence_rad)};
+          }
           over_time.series.push_back(curve(name, run.trace.t, above_zero(run.trace.error_turn[0]), colour_of(name),
                                            std::string_view(name).ends_with("single")));
         }
