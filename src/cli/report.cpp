@@ -1,6 +1,7 @@
 // odeval report: every scenario and every experiment, and the verdicts on the claims, as one page.
 #include <CLI/CLI.hpp>
 #include <iostream>
+#include <thread>
 
 #include "catalogue/paths.hpp"
 #include "catalogue/versions.hpp"
@@ -10,6 +11,7 @@
 #include "cli/run_files.hpp"
 #include "cli/settings.hpp"
 #include "experiments/experiment.hpp"
+#include "experiments/side_by_side.hpp"
 #include "odeval/error.hpp"
 #include "output/file.hpp"
 #include "report/files.hpp"
@@ -71,26 +73,19 @@ Runs run_scenarios(Laboratory& laboratory, const Options& options) {
   return runs;
 }
 
-/// An experiment that the machine fails leaves a section that says so, and its numbers missing.
-report::Section run_experiment(const experiments::Experiment& experiment, Laboratory& laboratory,
-                               report::Findings& findings, std::vector<std::string>& failures) {
-  try {
-    return experiment.run(laboratory, findings);
-  } catch (const MachineError& error) {
-    failures.push_back(std::string(experiment.name) + ": " + error.what());
-    return {std::string(experiment.name),
-            std::string(experiment.title),
-            {report::Text{std::string("This experiment failed, and its numbers are missing: ") + error.what()}}};
-  }
-}
-
+/// Every experiment, side by side on the machine's cores.
 std::vector<report::Section> run_experiments(Laboratory& laboratory, report::Findings& findings, bool quiet,
                                              std::vector<std::string>& failures) {
-  std::vector<report::Section> sections;
   Progress progress(experiments::experiments().size(), quiet);
-  for (const experiments::Experiment& experiment : experiments::experiments()) {
+  const auto finished = [&](const experiments::Experiment& experiment) {
     progress.next("experiment " + std::string(experiment.name));
-    sections.push_back(run_experiment(experiment, laboratory, findings, failures));
+  };
+  std::vector<report::Section> sections;
+  for (report::Outcome& outcome : experiments::run_side_by_side(experiments::experiments(), laboratory,
+                                                                std::thread::hardware_concurrency(), finished)) {
+    sections.push_back(std::move(outcome.section));
+    for (auto& [name, finding] : outcome.findings) findings.add(name, std::move(finding));
+    failures.insert(failures.end(), outcome.failures.begin(), outcome.failures.end());
   }
   return sections;
 }

@@ -1,0 +1,89 @@
+// Experiments in processes of their own: what they leave arrives whole and in order, and one that fails says so.
+#include "experiments/side_by_side.hpp"
+
+#include <unistd.h>
+
+#include "odeval/error.hpp"
+#include "tests/check.hpp"
+
+namespace {
+
+using namespace odeval;
+using experiments::Experiment;
+using experiments::Laboratory;
+
+/// One of every kind of block, cell and optional part.
+report::Section everything(Laboratory&, report::Findings& findings) {
+  findings.add("a.number", {"what it means", "m", 0.1, 1e-3, ""});
+  findings.add("b.missing", {"what it would mean", "", std::nullopt, 0, "why there is none"});
+  report::Table table{
+      "table", "A table", {"x", "y"}, {{1.5, std::string("text")}, {report::Missing{"why"}, -0.0}}, "n"};
+  report::Panel panel{.x_label = "t, s", .y_label = "y", .log_y = true};
+  panel.series = {{"a", {1, 2}, {3, NAN}, report::Mark::points, 4, true}, {"b", {}, {}}};
+  panel.shade = report::Shade{0.5, "because"};
+  panel.y_range = {{-1, 1}};
+  report::Figure figure{"figure", "A figure", "caption", {panel, {}}, 2};
+  return {"everything", "All", {report::Text{"words"}, table, figure, report::Picture{"p", "t", "c", {"\0png", 4}}}};
+}
+
+report::Section fails(Laboratory&, report::Findings&) { throw MachineError("the disk is full"); }
+report::Section dies(Laboratory&, report::Findings&) { _exit(3); }
+report::Section is_long(Laboratory&, report::Findings&) {
+  return {"long", "", {report::Text{std::string(1'000'000, 'x')}}};  // more than a pipe holds
+}
+
+constexpr Experiment some[] = {
+    {"fails", "One that fails", fails}, {"everything", "All", everything},
+    {"dies", "One that dies", dies},    {"long", "", is_long},
+    {"everything", "All", everything},
+};
+
+std::string words(const report::Outcome& outcome) { return std::get<report::Text>(outcome.section.blocks.at(0)).text; }
+
+void check(unsigned processes) {
+  Laboratory laboratory([](const std::string&) -> Scenario { throw std::logic_error("no scenario is asked for"); });
+  std::size_t finished = 0;
+  const auto outcomes =
+      experiments::run_side_by_side(some, laboratory, processes, [&](const Experiment&) { ++finished; });
+  CHECK_EQUAL(outcomes.size(), std::size(some));
+
+  CHECK_EQUAL(outcomes[0].section.title, "One that fails");
+  CHECK(words(outcomes[0]).ends_with("its numbers are missing: the disk is full"));
+  CHECK_EQUAL(outcomes[0].failures.at(0), "fails: the disk is full");
+  CHECK_EQUAL(outcomes[2].failures.at(0), "dies: its process ended early");
+
+  // One process dies with its experiment; what it had not begun is left to the others, if there are any.
+  if (processes == 1) {
+    CHECK_EQUAL(outcomes[3].failures.at(0), "long: every process ended before it");
+    CHECK_EQUAL(finished, 3U);
+    return;
+  }
+  CHECK_EQUAL(finished, std::size(some));
+  CHECK_EQUAL(words(outcomes[3]).size(), 1'000'000U);
+
+  // What arrives is what was made here, to the last bit.
+  report::Findings findings;
+  report::Outcome own;
+  own.section = everything(laboratory, findings);
+  for (const auto& finding : findings.all()) own.findings.emplace_back(finding);
+  CHECK(report::outcome_bytes(outcomes[1]) == report::outcome_bytes(own));
+  CHECK(report::outcome_bytes(outcomes[4]) == report::outcome_bytes(own));
+  const auto& table = std::get<report::Table>(outcomes[1].section.blocks.at(1));
+  CHECK_EQUAL(std::get<report::Missing>(table.rows.at(1).at(0)).why, "why");
+  CHECK(std::signbit(std::get<double>(table.rows.at(1).at(1))));
+  const auto& figure = std::get<report::Figure>(outcomes[1].section.blocks.at(2));
+  CHECK_EQUAL(figure.panels.at(0).shade->why, "because");
+  CHECK(!figure.panels.at(1).shade && !figure.panels.at(1).y_range);
+  CHECK_EQUAL(figure.panels.at(0).y_range->second, 1.0);
+  CHECK_EQUAL(std::get<report::Picture>(outcomes[1].section.blocks.at(3)).png.size(), 4U);
+  CHECK(!outcomes[1].findings.at(1).second.value);
+}
+
+}  // namespace
+
+int main() {
+  check(1);
+  check(2);
+  check(3);
+  return odeval::test::verdict();
+}
