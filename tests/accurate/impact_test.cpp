@@ -255,7 +255,29 @@ void check_order() {
   CHECK_BETWEEN(finest, 0, 1e-9);
 }
 
-/// Between two walls a hundredth of a millimetre apart: several impacts in one step, all of them made.
+/// Two balls in a space of the space, and one in another: they meet as if there were no inner spaces.
+void check_inner_spaces() {
+  World world(Vector3d::Zero());
+  const dSpaceID inner = dSimpleSpaceCreate(world.space), other = dHashSpaceCreate(world.space);
+  const auto ball = [&](dSpaceID space, double x) {
+    const dBodyID body = world.sphere(1, 0.1, {x, 0, 0});
+    const dGeomID geom = dBodyGetFirstGeom(body);
+    dSpaceRemove(world.space, geom);
+    dSpaceAdd(space, geom);
+    return body;
+  };
+  const dBodyID one = ball(inner, 0), two = ball(inner, 0.5), three = ball(other, 1);
+  World::move(one, {1, 0, 0}, {0, 0, 0});
+  AccurateStep step(world.id, world.space, bouncing(1));
+  CHECK_EQUAL(step.bodies(), std::size_t{3});
+  const auto touches = run(step, 1, 0.01);
+  CHECK_EQUAL(touches.size(), std::size_t{2});
+  CHECK_NEAR(dBodyGetLinearVel(one)[0], 0, 1e-14);
+  CHECK_NEAR(dBodyGetLinearVel(two)[0], 0, 1e-14);
+  CHECK_NEAR(dBodyGetLinearVel(three)[0], 1, 1e-14);
+}
+
+/// With a millimetre of play between two walls: several impacts in one step, all of them made.
 void check_many_in_a_step() {
   World world(Vector3d::Zero());
   const dBodyID ball = world.sphere(1, 0.1, {0, 0, 0});
@@ -282,6 +304,7 @@ int main() {
   check_tipping();
   check_flat_box();
   check_two_balls();
+  check_inner_spaces();
   check_chain_hits();
   check_order();
   check_many_in_a_step();

@@ -349,6 +349,10 @@ void check_names() {
   motor(1);
   CHECK(message().find("the hinge between body 0 and body 1 has a motor") != std::string::npos);
   motor(0);
+  const Vector3d place = vec(dBodyGetPosition(world.two));
+  dBodySetPosition(world.two, place[0], place[1], place[2] + 0.01);
+  CHECK(message().find("the hinge between body 0 and body 1 is 0.01") != std::string::npos);
+  dBodySetPosition(world.two, place[0], place[1], place[2]);
   for (int k = 0; k < 5; ++k) step(1e-3);
   // ODE puts geoms and joints that were touched last in front.
   dBodySetPosition(world.bodies[2], 6, 0, 0);
