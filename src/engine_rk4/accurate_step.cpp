@@ -17,7 +17,9 @@ using namespace engine_rk4;
 
 namespace {
 
+/// Before anything is read: a single-precision ODE would tell nonsense.
 AccurateStepOptions checked(AccurateStepOptions options) {
+  if (dCheckConfiguration("ODE_double_precision") == 0) refuse("needs a double-precision ODE");
   const auto check = [](bool good, const char* what, double value) {
     if (!good) refuse(std::string(what) + ", not " + std::to_string(value));
   };
@@ -42,7 +44,6 @@ class AccurateStep::World {
         watch_(space, mechanism()),
         collider_(space, options_.contact),
         flight_(motion_, collider_, options_) {
-    if (dCheckConfiguration("ODE_double_precision") == 0) refuse("needs a double-precision ODE");
     if (!options_.forces) return;
     forces_.renew = [this](double t, const State& state, std::vector<Wrench>& now) {
       show_poses(mechanism(), state);

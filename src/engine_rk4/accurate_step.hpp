@@ -55,8 +55,8 @@ struct Touch {
 /// Its functions are called during a step. They may throw: the step then puts the world back and lets it pass. They
 /// must not change what they are not asked for.
 struct AccurateStepOptions {
-  /// Asked for each pair of geoms whose bodies no joint connects; nothing: they pass through each other. Without the
-  /// function nothing touches anything.
+  /// Asked for each pair of geoms, in spaces within the space too, whose bodies no joint connects; nothing: they pass
+  /// through each other. Without the function nothing touches anything.
   std::function<std::optional<Bounce>(dxGeom*, dxGeom*)> contact;
   /// Forces that change within a step: springs, drag, controllers. Called at each stage (four a step, more where an
   /// impact is looked for) with the seconds since the step began, while ODE's bodies show poses and velocities of that
@@ -95,6 +95,7 @@ class AccurateStep {
 
   /// Impacts of the last step, in order.
   const std::vector<Touch>& touches() const;
+  /// How many it moves, and how many it keeps.
   std::size_t bodies() const;
   std::size_t joints() const;
 

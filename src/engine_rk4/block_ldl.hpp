@@ -21,7 +21,7 @@ class BlockLdl {
   BlockLdl(const std::vector<Eigen::Index>& rows, const std::vector<std::pair<std::size_t, std::size_t>>& pairs);
 
   /// The matrix to fill in before `factor`, lower triangle: the diagonal blocks (their lower triangles), and for pair p
-  /// of the constructor the block with the rows of `later(p)` and the columns of the other one.
+  /// of the constructor the block with the rows of the one that is eliminated later and the columns of the other.
   Matrix6& diagonal(std::size_t block) { return diagonal_[place_[block]]; }
   Matrix6& pair(std::size_t p) { return lower_[pair_slot_[p]]; }
   /// True when the first of pair p has the rows.

@@ -34,8 +34,17 @@ void Collider::look(const Mechanism& mechanism, const State& state, std::vector<
   show_poses(mechanism, state);
   check_reach(mechanism);
   pairs_.clear();
-  dSpaceCollide(space_, &pairs_, &near);
+  pair_up(space_);
   for (const auto& [one, other] : pairs_) meet(mechanism, one, other, contacts);
+}
+
+/// ODE leaves it to the caller to look inside the spaces of a space.
+void Collider::pair_up(dSpaceID space) {
+  dSpaceCollide(space, &pairs_, &near);
+  for (int i = 0; i < dSpaceGetNumGeoms(space); ++i) {
+    const dGeomID geom = dSpaceGetGeom(space, i);
+    if (dGeomIsSpace(geom) != 0) pair_up(reinterpret_cast<dSpaceID>(geom));
+  }
 }
 
 void Collider::near(void* pairs, dGeomID one, dGeomID other) {

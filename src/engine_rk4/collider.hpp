@@ -23,6 +23,7 @@ class Collider {
   void look(const Mechanism& mechanism, const State& state, std::vector<Contact>& contacts);
 
  private:
+  void pair_up(dSpaceID space);  // of its geoms and of those in spaces within, into pairs_
   static void near(void* pairs, dGeomID one, dGeomID other);
   void check_reach(const Mechanism& mechanism) const;
   void meet(const Mechanism& mechanism, dGeomID one, dGeomID other, std::vector<Contact>& contacts) const;

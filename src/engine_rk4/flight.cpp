@@ -77,23 +77,29 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
 void Flight::move(double after, double h, State& to) {
   forces_->start = after;
   JointErrors errors = motion_.step(here_, *forces_, h, to);
-  if (errors.before > mendable) {
+  if (errors.before.size > mendable) {
     settle(here_, options_.start_gap);
     errors = motion_.step(here_, *forces_, h, to);
   }
   if (!finite(to)) refuse("the motion left the finite numbers; take a smaller step");
   // Equations that repeat others are left out: a closed loop that does not quite close keeps its gap.
-  if (errors.after > (motion_.redundant() ? options_.start_gap : mendable)) {
-    refuse("a joint is " + std::to_string(errors.after) + " m or rad apart at the end of a step of " +
-           std::to_string(h) + " s; take a smaller one");
+  if (!(errors.after.size <= (motion_.redundant() ? options_.start_gap : mendable))) {
+    refuse_apart(errors.after, "at the end of a step of " + std::to_string(h) + " s; take a smaller one");
   }
 }
 
 void Flight::settle(State& state, double most) const {
   const JointErrors errors = motion_.project(state);
-  if (std::max(errors.before, errors.after) <= most) return;
-  refuse("a joint is " + std::to_string(std::max(errors.before, errors.after)) +
-         " m or rad apart at the start of the step; at most " + std::to_string(most) + " are mended");
+  for (const JointError& error : {errors.before, errors.after}) {
+    if (error.size <= most) continue;
+    refuse_apart(error, "at the start of the step; at most " + std::to_string(most) + " are mended");
+  }
+}
+
+void Flight::refuse_apart(const JointError& error, const std::string& when) const {
+  const Joint& joint = motion_.mechanism().joints[error.joint];
+  refuse(name(joint) + " is " + std::to_string(error.size) + " m or rad apart " + when,
+         motion_.mechanism().bodies[joint.a].id, joint.id);
 }
 
 /// A contact of geoms that rested when this part of the step began, and did not approach at this point then, along the
@@ -212,7 +218,7 @@ bool Flight::hold(State& state) {
     if (push > 0 && deepest_of(contacts_) <= 2 * rest_depth) break;
     const Impact impact(motion_, contacts_, state);
     impact.strike(state);
-    if (impact.push_out(rest_depth, state) > mendable) {
+    if (!(impact.push_out(rest_depth, state).size <= mendable)) {
       refuse("what rests can not be pushed apart with its joints kept; take a smaller step");
     }
     look(state);

@@ -1,5 +1,6 @@
 #pragma once
 // From one end of a step to the other: free motion, impacts where they fall, and rest at its end.
+#include <string>
 #include <vector>
 
 #include "engine_rk4/accurate_step.hpp"
@@ -25,6 +26,7 @@ class Flight {
  private:
   void move(double after, double h, State& to);
   void settle(State& state, double most) const;
+  [[noreturn]] void refuse_apart(const JointError& error, const std::string& when) const;
   void look(const State& state) { collider_.look(motion_.mechanism(), state, contacts_); }
   bool rests(const Contact& contact, const State& at) const;
   const Contact* deepest(const State& at) const;

@@ -73,10 +73,10 @@ void Impact::strike(State& state) const {
   }
 }
 
-double Impact::push_out(double depth, State& state) const {
+JointError Impact::push_out(double depth, State& state) const {
   Eigen::VectorXd b(static_cast<Eigen::Index>(contacts_.size()));
   for (std::size_t i = 0; i < contacts_.size(); ++i) b[static_cast<Eigen::Index>(i)] = depth - contacts_[i].depth;
-  if ((b.array() >= 0).all()) return 0;
+  if ((b.array() >= 0).all()) return {};
   respond(complementary(speeds_, b));
   return motion_.displace(change_, state);
 }

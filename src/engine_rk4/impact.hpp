@@ -35,7 +35,7 @@ class Impact {
 
   /// Moves the bodies apart, mass-weighted and with joints kept, until no contact is deeper than `depth`, to the first
   /// order in the way. Ends what the Impact can be used for. Returns the joint error that is left.
-  double push_out(double depth, State& state) const;
+  JointError push_out(double depth, State& state) const;
 
  private:
   void respond(const Eigen::VectorXd& sizes) const;  // into change_

@@ -157,7 +157,7 @@ JointErrors Motion::step(const State& from, Forces& forces, double h, State& to)
   constexpr double weight[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
   const std::size_t bodies = from.size();
   to = from;
-  double start_error = 0;
+  JointError start_error;
   for (int s = 0; s < 4; ++s) {
     const double c = at[s] * h;
     for (std::size_t i = 0; i < bodies; ++i) {
@@ -190,20 +190,20 @@ JointErrors Motion::step(const State& from, Forces& forces, double h, State& to)
   std::swap(rows_of_stage_, rows_);
   for (BodyNow& body : to) body.pose.turn.normalize();
   look(to);
-  if (!(largest_error() < small_correction)) factor();  // or the last stage's matrix, near enough, will do
+  if (!(largest_error().size < small_correction)) factor();  // or the last stage's matrix, near enough, will do
   return {start_error, finish(to).after};
 }
 
-double Motion::largest_error() const {
-  double largest = 0;
-  for (const JointRows& rows : rows_) {
-    const double error = rows.error.cwiseAbs().maxCoeff();
-    if (error > largest || std::isnan(error)) largest = error;
+JointError Motion::largest_error() const {
+  JointError largest;
+  for (std::size_t j = 0; j < rows_.size(); ++j) {
+    const double error = rows_[j].error.cwiseAbs().maxCoeff();
+    if (error > largest.size || std::isnan(error)) largest = {error, j};
   }
   return largest;
 }
 
-double Motion::displace(const std::vector<Twist>& by, State& state) {
+JointError Motion::displace(const std::vector<Twist>& by, State& state) {
   for (std::size_t i = 0; i < state.size(); ++i) {
     state[i].pose.position += by[i].linear;
     turn_by(by[i].angular, state[i].pose.turn);
@@ -219,17 +219,17 @@ JointErrors Motion::project(State& state) {
 
 /// Newton's method on the rows at hand, with the matrix at hand or, where that is not enough, newer ones.
 JointErrors Motion::finish(State& state) {
-  JointErrors errors{largest_error(), 0};
-  const bool small = errors.before < small_correction;
+  JointErrors errors{largest_error(), {}};
+  const bool small = errors.before.size < small_correction;
   if (small) project_velocities(state);
   // It at least halves the error a round or has failed: then the caller judges what is left.
-  for (double error = errors.before;;) {
+  for (double error = errors.before.size;;) {
     correct(state);
     if (error < small_correction && matrix_.left_out() == 0) break;
     look(state);
     errors.after = largest_error();
-    if (errors.after <= closed || !(errors.after < error / 2)) break;
-    error = errors.after;
+    if (errors.after.size <= closed || !(errors.after.size < error / 2)) break;
+    error = errors.after.size;
     factor();
   }
   if (!small) project_velocities(state);

@@ -34,10 +34,15 @@ struct Forces {
   double start = 0;  // t of the state that a step starts from
 };
 
-/// Largest joint errors, m or rad.
+/// The joint that is farthest apart.
+struct JointError {
+  double size = 0;  // m or rad
+  std::size_t joint = 0;
+};
+
 struct JointErrors {
-  double before;
-  double after;
+  JointError before;
+  JointError after;
 };
 
 class Motion {
@@ -57,7 +62,7 @@ class Motion {
   void respond(const std::vector<Wrench>& impulses, std::vector<Twist>& change);
 
   /// Moves poses by displacements (m, rad), then projects. Returns the joint error that could not be mended.
-  double displace(const std::vector<Twist>& by, State& state);
+  JointError displace(const std::vector<Twist>& by, State& state);
 
   /// Does a joint's equation repeat what others say? Such ones are left out.
   bool redundant() const { return matrix_.left_out() > 0; }
@@ -69,9 +74,9 @@ class Motion {
 
  private:
   Wrench force(const Matrix6& row, std::size_t joint) const;
-  void look(const State& state);  // rotation matrices, inertias, rows
-  double largest_error() const;   // of the rows, m or rad
-  void factor();                  // the matrix of the rows
+  void look(const State& state);     // rotation matrices, inertias, rows
+  JointError largest_error() const;  // of the rows
+  void factor();                     // the matrix of the rows
   void add_product(std::size_t i, std::size_t j, std::size_t body, Matrix6& block) const;
   void accelerate(const State& state, const std::vector<Wrench>& forces);
   JointErrors finish(State& state);

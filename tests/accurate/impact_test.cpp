@@ -255,7 +255,29 @@ void check_order() {
   CHECK_BETWEEN(finest, 0, 1e-9);
 }
 
-/// Between two walls a hundredth of a millimetre apart: several impacts in one step, all of them made.
+/// Two balls in a space of the space, and one in another: they meet as if there were no inner spaces.
+void check_inner_spaces() {
+  World world(Vector3d::Zero());
+  const dSpaceID inner = dSimpleSpaceCreate(world.space), other = dHashSpaceCreate(world.space);
+  const auto ball = [&](dSpaceID space, double x) {
+    const dBodyID body = world.sphere(1, 0.1, {x, 0, 0});
+    const dGeomID geom = dBodyGetFirstGeom(body);
+    dSpaceRemove(world.space, geom);
+    dSpaceAdd(space, geom);
+    return body;
+  };
+  const dBodyID one = ball(inner, 0), two = ball(inner, 0.5), three = ball(other, 1);
+  World::move(one, {1, 0, 0}, {0, 0, 0});
+  AccurateStep step(world.id, world.space, bouncing(1));
+  CHECK_EQUAL(step.bodies(), std::size_t{3});
+  const auto touches = run(step, 1, 0.01);
+  CHECK_EQUAL(touches.size(), std::size_t{2});
+  CHECK_NEAR(dBodyGetLinearVel(one)[0], 0, 1e-14);
+  CHECK_NEAR(dBodyGetLinearVel(two)[0], 0, 1e-14);
+  CHECK_NEAR(dBodyGetLinearVel(three)[0], 1, 1e-14);
+}
+
+/// With a millimetre of play between two walls: several impacts in one step, all of them made.
 void check_many_in_a_step() {
   World world(Vector3d::Zero());
   const dBodyID ball = world.sphere(1, 0.1, {0, 0, 0});
@@ -272,6 +294,42 @@ void check_many_in_a_step() {
   CHECK_NEAR(dBodyGetLinearVel(ball)[0], 1, 1e-12);
 }
 
+/// The last impact of a step that is located: further ones, of other bodies too, are stopped at the step's end.
+void check_most_impacts() {
+  World world(Vector3d::Zero());
+  const dBodyID one = world.sphere(1, 0.1, {0, 0, 0});
+  const dBodyID two = world.sphere(1, 0.1, {0, 1, 0});
+  dCreatePlane(world.space, 1, 0, 0, -0.1005);
+  dCreatePlane(world.space, -1, 0, 0, -0.1005);
+  World::move(one, {1, 0, 0}, {0, 0, 0});
+  World::move(two, {0.1, 0, 0}, {0, 0, 0});
+  AccurateStepOptions options = bouncing(1);
+  options.most_impacts = 2;
+  AccurateStep step(world.id, world.space, options);
+  step(0.0055);  // would strike at 0.5, 1.5, 2.5, 3.5, 4.5 and (the slow ball) at 5 ms
+  CHECK_EQUAL(step.touches().size(), std::size_t{2});
+  CHECK_NEAR(dBodyGetLinearVel(one)[0], 0, 1e-12);
+  CHECK_NEAR(dBodyGetLinearVel(two)[0], 0, 1e-12);
+  CHECK_NEAR(dBodyGetPosition(two)[0], 0.0005, 2.1e-9);  // twice the rest depth is not pushed
+}
+
+/// What comes slower than the speed of rest does not bounce.
+void check_rest_speed() {
+  const auto departs = [](double rest_speed) {
+    World world(Vector3d::Zero());
+    const dBodyID ball = world.sphere(1, 0.1, {0, 0, 0.1 + 1e-6});
+    dCreatePlane(world.space, 0, 0, 1, 0);
+    World::move(ball, {0, 0, -0.5e-3}, {0, 0, 0});
+    AccurateStepOptions options = bouncing(0.8);
+    options.rest_speed = rest_speed;
+    AccurateStep step(world.id, world.space, options);
+    step(0.01);
+    return dBodyGetLinearVel(ball)[2];
+  };
+  CHECK_NEAR(departs(1e-3), 0, 1e-15);
+  CHECK_NEAR(departs(0), 0.4e-3, 1e-12);
+}
+
 }  // namespace
 
 int main() {
@@ -282,8 +340,11 @@ int main() {
   check_tipping();
   check_flat_box();
   check_two_balls();
+  check_inner_spaces();
   check_chain_hits();
   check_order();
   check_many_in_a_step();
+  check_most_impacts();
+  check_rest_speed();
   return odeval::test::verdict();
 }

@@ -160,7 +160,8 @@ Eigen::Matrix3d box_inertia(double mass, const Vector3d& sides) {
   return (mass / 12 * Vector3d(s[1] + s[2], s[0] + s[2], s[0] + s[1])).asDiagonal();
 }
 
-/// Boxes in a row, each on `per_joint` hinges whose axes differ from link to link; at rest at first.
+/// Boxes in a row, each on a hinge (1 per joint), universal joint (2) or ball (3); axes differ from link to link; at
+/// rest at first.
 template <std::size_t Links, std::size_t PerJoint>
 struct RowOfBoxes {
   static constexpr std::size_t n = Links * PerJoint;
@@ -177,6 +178,7 @@ struct RowOfBoxes {
       const auto d = static_cast<double>(i);
       hinges[i].axis = PerJoint == 3 ? Vector3d::Unit(static_cast<Eigen::Index>(i % 3))
                                      : Vector3d(std::cos(d), std::sin(2 * d), 0.7 - 0.3 * d).normalized();
+      if (PerJoint == 2 && last) hinges[i].axis = hinges[i - 1].axis.unitOrthogonal();
       hinges[i].offset = i == 0 || !first ? Vector3d::Zero() : Vector3d(-2 * near);
       if (!last) continue;
       hinges[i].mass = mass;
@@ -201,10 +203,14 @@ struct RowOfBoxes {
       const auto& frame = frames[link * PerJoint + PerJoint - 1];
       const dBodyID body = world.box(mass, sides, frame.centre, Quaterniond(frame.turn));
       // Either order of the two bodies, and either place of the world.
-      const dBodyID a = link % 2 == 0 ? body : before;
-      const dBodyID b = link % 2 == 0 ? before : body;
+      const bool child_first = (link + PerJoint) % 2 == 1;
+      const dBodyID a = child_first ? body : before;
+      const dBodyID b = child_first ? before : body;
       if (PerJoint == 3) {
         world.ball(a, b, frame.hinge);
+      } else if (PerJoint == 2) {  // the parent keeps the first axis, the child the second
+        const Vector3d parents = frames[link * PerJoint].axis;
+        world.universal(a, b, frame.hinge, child_first ? frame.axis : parents, child_first ? parents : frame.axis);
       } else {
         world.hinge(a, b, frame.hinge, frame.axis);
       }
@@ -222,13 +228,68 @@ struct RowOfBoxes {
   }
 };
 
+/// A box that slides along a rod on a hinge, beside it: Lagrange in the rod's angle from the horizontal y and the way
+/// r.
+///
+///   T = (I + m (r^2 + d^2)) t'^2 / 2 + m r'^2 / 2 - m d t' r',  V = g (rod c + m r) sin t + g m d cos t
+struct SlidingBox {
+  static constexpr double rod = 2, half = 0.5, box = 0.7, beside = 0.3, g = 9.81;
+  static constexpr double start_angle = 0.4, start_way = 0.6;
+  static constexpr double inertia_of(double mass, double a, double b) { return mass * (a * a + b * b) / 12; }
+
+  static void accelerations(const double* y, double* f) {
+    const double t = y[0], r = y[1], t1 = y[2], r1 = y[3];
+    const double inertia = inertia_of(rod, 2 * half, 0.1) + rod * half * half + inertia_of(box, 0.2, 0.1);
+    const double m11 = inertia + box * (r * r + beside * beside), m12 = -box * beside, m22 = box;
+    const double turning =
+        -2 * box * r * r1 * t1 - g * (rod * half + box * r) * std::cos(t) + g * box * beside * std::sin(t);
+    const double sliding = box * r * t1 * t1 - g * box * std::sin(t);
+    const double det = m11 * m22 - m12 * m12;
+    f[0] = t1, f[1] = r1;
+    f[2] = (m22 * turning - m12 * sliding) / det;
+    f[3] = (m11 * sliding - m12 * turning) / det;
+  }
+
+  /// The rod's angle and the way at the end.
+  static std::array<double, 4> reference(double until) {
+    odeval::reference::CvodeSolver solver(4, accelerations, {1e-13, 1e-14}, "sliding box", until);
+    std::array<double, 4> y{start_angle, start_way, 0, 0};
+    solver.start(0, y.data());
+    while (solver.end() < until) solver.step();
+    solver.interpolate(until, y.data());
+    return y;
+  }
+
+  static Vector3d in_plane(double angle, double along, double across) {
+    return {0, along * std::cos(angle) - across * std::sin(angle), along * std::sin(angle) + across * std::cos(angle)};
+  }
+
+  template <bool RodFirst>
+  static double error(double h) {
+    constexpr double until = 1;
+    static const auto wanted = reference(until);
+    World world({0, 0, -g});
+    const Quaterniond turn(Eigen::AngleAxisd(start_angle, Vector3d::UnitX()));
+    const dBodyID one = world.box(rod, {0.1, 2 * half, 0.1}, in_plane(start_angle, half, 0), turn);
+    const dBodyID two = world.box(box, {0.1, 0.2, 0.1}, in_plane(start_angle, start_way, beside), turn);
+    world.hinge(one, nullptr, {0, 0, 0}, Vector3d::UnitX());
+    world.slider(RodFirst ? one : two, RodFirst ? two : one, turn * Vector3d::UnitY());
+    run(world, until, h);
+    return std::max((vec(dBodyGetPosition(one)) - in_plane(wanted[0], half, 0)).norm(),
+                    (vec(dBodyGetPosition(two)) - in_plane(wanted[0], wanted[1], beside)).norm());
+  }
+};
+
 }  // namespace
 
 int main() {
   check_order("free asymmetric body", free_body, 8e-3, 1e-7);
   check_order("5 boxes, oblique hinges", RowOfBoxes<5, 1>::error, 4e-3, 1e-6);
+  check_order("2 boxes, universal joints", RowOfBoxes<2, 2>::error, 4e-3, 1e-6);
   check_order("2 boxes, ball joints", RowOfBoxes<2, 3>::error, 4e-3, 1e-6);
   check_order("four-bar, a closed loop", FourBar::error, 8e-3, 1e-7);
   check_order("four-bar, oblique in space", FourBar::oblique_error, 8e-3, 1e-7);
+  check_order("a box slides on a rod", SlidingBox::error<true>, 8e-3, 1e-7);
+  check_order("a rod slides on a box", SlidingBox::error<false>, 8e-3, 1e-7);
   return odeval::test::verdict();
 }

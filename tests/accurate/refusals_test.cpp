@@ -254,7 +254,11 @@ void check_functions_that_throw() {
   bool in_contact = false, in_impact = false;
   World world;
   world.sphere(1, 0.1, {0, 0, 0.1 + 1e-6});
-  world.sphere(1, 0.1, {0, 0, 1});
+  // A quaternion that ODE made from a matrix makes another one in the last digits: both must come back.
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  const dMatrix3 rows = {turn(0, 0), turn(0, 1), turn(0, 2), 0,          turn(1, 0), turn(1, 1),
+                         turn(1, 2), 0,          turn(2, 0), turn(2, 1), turn(2, 2), 0};
+  dBodySetRotation(world.sphere(1, 0.1, {0, 0, 1}), rows);
   dCreatePlane(world.space, 0, 0, 1, 0);
   AccurateStepOptions options;
   options.contact = [&](dxGeom*, dxGeom*) {
@@ -349,6 +353,10 @@ void check_names() {
   motor(1);
   CHECK(message().find("the hinge between body 0 and body 1 has a motor") != std::string::npos);
   motor(0);
+  const Vector3d place = vec(dBodyGetPosition(world.two));
+  dBodySetPosition(world.two, place[0], place[1], place[2] + 0.01);
+  CHECK(message().find("the hinge between body 0 and body 1 is 0.01") != std::string::npos);
+  dBodySetPosition(world.two, place[0], place[1], place[2]);
   for (int k = 0; k < 5; ++k) step(1e-3);
   // ODE puts geoms and joints that were touched last in front.
   dBodySetPosition(world.bodies[2], 6, 0, 0);
@@ -390,6 +398,7 @@ void check_forces() {
   const dBodyID seen = world.sphere(2, 0.1, {0, 0, 0});
   const dBodyID unseen = dBodyCreate(world.id);
   dBodySetGravityMode(unseen, 0);
+  World::place(unseen, {0, 0, 0}, Quaterniond(Eigen::AngleAxisd(0.7, Vector3d::UnitX())));  // torques are the world's
   AccurateStepOptions options;
   options.bodies = {unseen};
   AccurateStep step(world.id, world.space, options);
@@ -402,13 +411,13 @@ void check_forces() {
   CHECK_EQUAL(dBodyGetLinearVel(unseen)[2], 0.0);
   dMass mass;
   dBodyGetMass(unseen, &mass);
-  CHECK_NEAR(dBodyGetAngularVel(unseen)[2], 0.05 / mass.I[10], 1e-14);
+  CHECK_NEAR((vec(dBodyGetAngularVel(unseen)) - Vector3d(0, 0, 0.05 / mass.I[10])).norm(), 0, 1e-14);
   CHECK_EQUAL(dBodyGetForce(seen)[0], 0.0);
   step(0.1);
   CHECK_NEAR(dBodyGetLinearVel(seen)[0], 0.15, 1e-15);
 }
 
-/// dJointFeedback: a pendulum at rest carries its weight; moving, Newton's law for each body.
+/// dJointFeedback: a pendulum at rest carries its weight, and a torque about what its hinge can not turn.
 void check_feedback() {
   Pendulum world;
   dJointFeedback first{}, second{};
@@ -417,7 +426,11 @@ void check_feedback() {
   World::move(world.one, {0, 0, 0}, {0, 0, 0});
   World::move(world.two, {0, 0, 0}, {0, 0, 0});
   AccurateStep step(world.id, world.space);
+  dBodyAddTorque(world.two, 0, 0.3, 0.2);
   step(1e-3);
+  CHECK_NEAR((vec(second.t2) - Vector3d(0, -0.3, -0.2)).norm(), 0, 1e-12);
+  CHECK_NEAR((vec(second.t1) - Vector3d(0, 0.3, 0.2)).norm(), 0, 1e-12);
+  CHECK_NEAR((vec(first.t1) - Vector3d(0, -0.3, -0.2)).norm(), 0, 1e-12);
   CHECK_NEAR((vec(first.f1) - Vector3d(0, 0, 2 * 9.81)).norm(), 0, 1e-12);
   CHECK_NEAR((vec(second.f1) - Vector3d(0, 0, -9.81)).norm(), 0, 1e-12);
   CHECK_NEAR((vec(second.f2) - Vector3d(0, 0, 9.81)).norm(), 0, 1e-12);
