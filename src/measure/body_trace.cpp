@@ -97,10 +97,10 @@ Trace body_trace(const Scenario& scenario, const SampleGrid& grid, const Rows& r
   Trace trace;
   resize_bodies(trace, count, rows.count());
   for (Column* column : {&trace.t, &trace.kinetic, &trace.potential, &trace.contacts}) column->resize(rows.count());
-  (torque_free ? trace.angular_momentum_drift : trace.penetration).resize(rows.count());
-  trace.long_axis_spin.assign(count, Column(rows.count()));
-
+  if (torque_free) trace.angular_momentum_drift.resize(rows.count());
+  if (scenario.ground) trace.penetration.resize(rows.count());
   if (scenario.joint) trace.gap.resize(rows.count());
+  trace.long_axis_spin.assign(count, Column(rows.count()));
 
   JointHalves halves(scenario);
   std::vector<Vec3> start(count);
@@ -117,7 +117,7 @@ Trace body_trace(const Scenario& scenario, const SampleGrid& grid, const Rows& r
       if (k == 0) start[i] = turned.momentum;
       if (torque_free) trace.angular_momentum_drift[k] += distance(turned.momentum, start[i]);
       trace.long_axis_spin[i][k] = spin_along(body, what.long_axis());
-      if (!torque_free) {
+      if (scenario.ground) {
         trace.penetration[k] = std::fmax(trace.penetration[k], overlap(what, body, scenario.ground->normal()));
       }
       store_body(trace.bodies[i], k, body);

@@ -20,11 +20,16 @@ Vec3 middle_of(const Pose& pose) {
 }  // namespace
 
 BodyStage::BodyStage(const Scenario& scenario, std::span<const Pose> shown)
-    : bodies_(scenario.bodies), frame_(scenario.problem->frame) {
+    : bodies_(scenario.bodies), frame_(scenario.problem->frame), free_(!scenario.ground) {
+  if (scenario.joint && bodies_.size() == 1) {
+    pin_ = scenario.joint->anchor_m;
+    free_ = false;
+  }
   Vec3 low{far_m, far_m, far_m};
   Vec3 high{-far_m, -far_m, -far_m};
+  if (pin_) low = high = *pin_;
   const auto hold = [&](const Pose& pose) {
-    const Vec3 by = scenario.ground ? Vec3{} : -1 * middle_of(pose);
+    const Vec3 by = shift(pose);
     for (std::size_t i = 0; i < pose.size(); ++i) {
       if (!drawable(pose[i])) continue;
       for (std::size_t k = 0; k < 3; ++k) {
@@ -62,7 +67,7 @@ bool BodyStage::drawable(const LinkPose& body) const {
 }
 
 /// In free flight what is in the middle of the bodies is in the middle of the picture.
-Vec3 BodyStage::shift(const Pose& pose) const { return ground_ ? Vec3{} : -1 * middle_of(pose); }
+Vec3 BodyStage::shift(const Pose& pose) const { return free_ ? -1 * middle_of(pose) : Vec3{}; }
 
 Pose BodyStage::moved(Pose pose, const Vec3& by) const {
   for (LinkPose& body : pose) body.centre_m = body.centre_m + by;
@@ -136,6 +141,9 @@ std::vector<Layer> BodyStage::layers(const Camera& camera, const Pose& pose, con
   Layer& solids = layers.emplace_back();
   for (std::size_t i = 0; i < seen.size(); ++i) {
     if (drawable(pose[i])) add_body(solids, brush, seen, i, edge_px);
+  }
+  if (pin_) {  // so long that it stands out of a body around it
+    brush.cylinder(solids, *pin_, frame_.axis(), 0.08 * radius(0), 1.2 * radius(0), joint_colour, edge_px);
   }
   if (outline != nullptr) {
     const Pose second = moved(*outline, by);

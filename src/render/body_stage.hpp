@@ -1,5 +1,5 @@
 #pragma once
-// Boxes and spheres: on their ground, or in free flight, where the camera goes with them.
+// Boxes and spheres: on their ground, on a joint to the world, or in free flight, where the camera goes with them.
 #include <optional>
 
 #include "render/brush.hpp"
@@ -29,6 +29,8 @@ class BodyStage final : public Stage {
   std::vector<Body> bodies_;
   PlanarFrame frame_;  // its hinge is the middle of what is shown
   double reach_m_ = 0;
+  bool free_;                // nothing holds them in the world
+  std::optional<Vec3> pin_;  // of a joint to the world
   std::optional<GroundPlane> ground_;
 };
 

@@ -9,7 +9,6 @@
 namespace odeval::render {
 namespace {
 
-constexpr Colour hinge_colour{92, 94, 98};
 constexpr Colour wall_colour{214, 208, 198};
 }  // namespace
 
@@ -101,7 +100,7 @@ void PendulumStage::add_hinges(Layer& layer, const Brush& brush, const Pose& pos
     const Vec3 at = i == 0 ? frame_.hinge_m : near;
     // The first hinge holds on to the world; the others stand out so far that no edge is lifted over them.
     const double out = i == 0 ? 1.6 * radius : radius;
-    brush.cylinder(layer, at, pose[i].hinge, radius, 0.5 * deepest + out, hinge_colour, edge_px);
+    brush.cylinder(layer, at, pose[i].hinge, radius, 0.5 * deepest + out, joint_colour, edge_px);
   }
 }
 

@@ -10,6 +10,8 @@ namespace odeval::render {
 
 inline constexpr double lamp_distance = 4;  // from what it lights, in the reach of the scene
 
+inline constexpr Colour joint_colour{92, 94, 98};
+
 /// Of the body of that number.
 Colour colour_in_turn(std::size_t body);
 

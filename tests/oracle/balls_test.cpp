@@ -137,6 +137,16 @@ void check_against_accurate_step() {
   }
 }
 
+// dWorldStep sees an impact in the first step that overlaps: by no more than the ball moved in the step before.
+void check_depths() {
+  Evaluator evaluator(shipped("potra_pendulum"));
+  const auto run = evaluator.evaluate(catalogue::find_method("ode-step-double"));
+  CHECK_EQUAL(run.outcome.impacts.size(), evaluator.reference().impacts.size());
+  for (const Impact& impact : run.outcome.impacts) {
+    CHECK_BETWEEN(impact.depth, 0, -impact.qd_before * evaluator.grid().step_s);
+  }
+}
+
 // A wall that a ball's weight presses it against: it comes to rest, which the reference does not follow and says so.
 void check_rest_is_refused() {
   Scenario scenario = test::report_scenario("potra_pendulum", 3, 1e-3);
@@ -209,6 +219,7 @@ int main() {
   check_double_impacts();
   check_bound_through_impacts();
   check_against_accurate_step();
+  check_depths();
   check_rest_is_refused();
   check_point();
   check_tolerances_can_fail();

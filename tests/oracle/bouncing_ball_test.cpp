@@ -157,6 +157,22 @@ void recovery() {
   CHECK_NEAR(rate[3], rate[2] - scenario.gravity * h, 1e-12);
 }
 
+// A surface layer is a depth that no contact mends; a limit of the correcting speed is the rate that takes the rest
+// away.
+void layer_and_limit() {
+  Scenario scenario = ball(0.0001, -5, 0);
+  scenario.ode.cfm = 0;
+  scenario.duration_s = 0.004;
+  scenario.ode.surface_layer = 1e-3;
+  const Trace layered = Evaluator(scenario).evaluate(find_method("ode-step-double")).trace;
+  const double depth = radius - layered.bodies[0].position[2][1];
+  CHECK_NEAR(layered.bodies[0].velocity[2][2],
+             scenario.ode.erp * (depth - scenario.ode.surface_layer) / scenario.step_s, 1e-12);
+  scenario.ode.max_correcting_vel = 0.1;
+  const Trace limited = Evaluator(scenario).evaluate(find_method("ode-step-double")).trace;
+  CHECK_NEAR(limited.bodies[0].velocity[2][2], 0.1, 1e-12);
+}
+
 double error(Scenario scenario, double step, std::string_view method, double until) {
   scenario.step_s = step;
   Evaluator evaluator(scenario);
@@ -211,6 +227,7 @@ int main() {
   own_law("ode-step-double", 1e-12);
   own_law("ode-quickstep-double", 1e-9);  // 20 iterations leave 0.3^20 = 3e-11 of an impulse
   recovery();
+  layer_and_limit();
   order();
   breaks();
   return test::verdict();

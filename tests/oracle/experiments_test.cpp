@@ -174,29 +174,34 @@ struct Band {
 // in the motion, and 10 % the largest drifts over 10 s, which feedback makes of rounding and step errors alike. Times
 // and shifts in steps are held to their own grain.
 constexpr Band bands[] = {
-    {"C2.error_ratio", 0.999999, 1.000001},  // 1 + 5.6e-8: twenty iterations solve two joints to that
-    {"C6.discrete_law_error", 0, 1e-12},     // 1.3e-14
-    {"C6.oscillator_order", 0.94, 0.965},    // 0.9527: from steps of 8 ms on, where the next term still shows
-    {"C8a.ode_over_ode45", 0.059, 0.072},    // 0.0656
-    {"C8a.ode_over_euler", 0.0494, 0.0604},  // 0.0549
-    {"C8b.least_ratio", 85, 104},            // 94.5, at 1e-3 s
-    {"C8b.largest_ratio", 220, 270},         // 245, at 2.5e-4 s
-    {"C9.distance_ratio", 0.58, 0.604},      // 0.592
-    {"C9.ode_parts_at", 3.914, 3.934},       // 3.924 s
-    {"C11a.after_vertical", 8.81, 8.82},     // 8.8157: one step and the closed form
-    {"C11a.after_touch", -0.44, -0.43},      // -0.4346, likewise
-    {"C11b.by_settings", 0.1134, 0.1135},    // 0.11343: one step of 8.8157; without feedback the hinge opens by 2 mm
-    {"C11b.by_face", 1.0208, 1.021},         // 1.0209: nine steps of 8.8157; 0.05 m of wall
-    {"O1.shift", 0.4937, 0.4948},            // 0.49426 steps; a tenth of what is missing to 0.5 either way
-    {"O1.gain", 52.7, 54.9},                 // 53.8
-    {"O1.order", 1.81, 1.885},               // 1.848
-    {"O1.order_at_speed", 1.81, 1.88},       // 1.844; with the joint rates of t = -h/2 it is 1.045
-    {"O1.gain_at_speed", 317, 330},          // 323
-    {"C1.order_off", 0.0172, 0.018},         // 0.0176
-    {"order.off_coarse", 0.103, 0.108},      // 0.1055
-    {"order.off_fine", 0.0278, 0.029},       // 0.0284
-    {"C3.error_ratio", 0.054, 0.0563},       // 0.0552
-    {"C3.condition_ratio", 784, 817},        // 800
+    {"C2.error_ratio", 0.999999, 1.000001},        // 1 + 5.6e-8: twenty iterations solve two joints to that
+    {"C4.long_axis_spin_double", 3.5e-7, 3.5e-5},  // 3.5e-6: rounding; another order of operations may make ten times
+    {"C4.long_axis_spin_single", 90, 9000},        // 902: the same, grown by the ratio of the moments
+    {"C6.discrete_law_error", 0, 1e-12},           // 1.3e-14
+    {"C6.oscillator_order", 0.94, 0.965},          // 0.9527: from steps of 8 ms on, where the next term still shows
+    {"C8a.ode_over_ode45", 0.059, 0.072},          // 0.0656
+    {"C8a.ode_over_euler", 0.0494, 0.0604},        // 0.0549
+    {"C8b.least_ratio", 85, 104},                  // 94.5, at 1e-3 s
+    {"C8b.largest_ratio", 220, 270},               // 245, at 2.5e-4 s
+    {"C9.distance_ratio", 0.58, 0.604},            // 0.592
+    {"C9.ode_parts_at", 3.914, 3.934},             // 3.924 s
+    {"C11a.after_vertical", 8.81, 8.82},           // 8.8157: one step and the closed form
+    {"C11a.after_touch", -0.44, -0.43},            // -0.4346, likewise
+    {"C11b.by_settings", 0.1134, 0.1135},  // 0.11343: one step of 8.8157; without feedback the hinge opens by 2 mm
+    {"C11b.by_face", 1.0208, 1.021},       // 1.0209: nine steps of 8.8157; 0.05 m of wall
+    {"O1.shift", 0.4937, 0.4948},          // 0.49426 steps; a tenth of what is missing to 0.5 either way
+    {"O1.gain", 52.7, 54.9},               // 53.8
+    {"O1.order", 1.81, 1.885},             // 1.848
+    {"O1.order_at_speed", 1.81, 1.88},     // 1.844; with the joint rates of t = -h/2 it is 1.045
+    {"O1.gain_at_speed", 317, 330},        // 323
+    {"O1.shift_chain", 0.4629, 0.4697},    // 0.4663
+    {"O1.gain_chain", 4.6, 4.8},           // 4.698: feedback of the joints leaves as much again
+    {"O1.order_chain", 1.76, 1.83},        // 1.796
+    {"C1.order_off", 0.0172, 0.018},       // 0.0176
+    {"order.off_coarse", 0.103, 0.108},    // 0.1055
+    {"order.off_fine", 0.0278, 0.029},     // 0.0284
+    {"C3.error_ratio", 0.054, 0.0563},     // 0.0552
+    {"C3.condition_ratio", 784, 817},      // 800
     {"coordinates.feedback_gain", 107.3, 111.7},         // 109.5
     {"coordinates.scheme_ratio", 0.00933, 0.00972},      // 0.00953: as 1 / feedback_gain, but for what the gap does
     {"C5.digits_regained", 10.19, 10.21},                // 10.20: (2 l + c) / c, l the greatest eigenvalue, c = CFM/h
@@ -206,6 +211,7 @@ constexpr Band bands[] = {
     {"C15.quaternion_drift", 1e-16, 1e-14},              // 2e-15: rounding, whatever a compiler makes of it
     {"C16.gap_ratio", 4.63, 4.83},                       // 4.73
     {"O2.gain", 4.04, 4.21},                             // 4.126
+    {"O2.gain_chain", 6.75, 7.03},                       // 6.90
     {"O3.drift_ratio", 1.546, 1.61},                     // 1.578
     {"C2.chain_error_ratio", 2.03, 2.11},                // 2.070
     {"C3.error_exponent", 0.59, 0.67},                   // 0.628
@@ -226,9 +232,11 @@ constexpr Band bands[] = {
 };
 
 void check_numbers(const Page& page) {
+  const bool complete = test::in_this_build("ode-step-single");
   for (const Band& band : bands) {
     const Finding* const finding = page.findings.find(band.finding);
     const double value = finding != nullptr ? finding->value.value_or(NAN) : NAN;
+    if (!complete && finding != nullptr && !finding->value) continue;
     if (!(value >= band.low && value <= band.high)) {
       test::report(false, __FILE__, __LINE__,
                    std::string(band.finding) + " = " + test::shown(value) + ", expected " + test::shown(band.low) +

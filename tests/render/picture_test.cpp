@@ -153,6 +153,31 @@ void bodies_where_mathematics_says() {
   }
 }
 
+/// On a joint to the world the camera stays: a body that sinks is seen to sink.
+void held_bodies_move_in_the_picture() {
+  Scenario scenario = odeval::test::report_scenario("free_box", 0.3, 1e-3);
+  scenario.problem = odeval::test::problem("spring_joint");
+  scenario.gravity = 9.81;
+  scenario.joint = Joint{};
+  scenario.ode.spring = Spring{100, 2};
+  scenario.bodies = {Body{Shape::box, 1, {0.1, 0.1, 0.1}, {}, {}, {}, {}}};
+  catalogue::Evaluator evaluator(scenario);
+  const Trace trace = evaluator.evaluate(catalogue::find_method("ode-step-double")).trace;
+  const std::vector<Pose> shown{pose_at(scenario, trace, 0), pose_at(scenario, trace, 300)};
+  CHECK(shown[1][0].centre_m[2] < -0.15);
+  Studio studio(scenario, front, 800, 600, caption_font(), shown);
+  const Tile above = studio.above_caption();
+  const Camera camera = studio.camera(above.width, above.height);
+  for (const std::size_t row : {0U, 300U}) {
+    const Image image = studio.picture(shot_of(scenario, trace, row), {"left", "right"});
+    for (const Pose& pose : shown) {
+      const bool here = pose[0].centre_m == pose_at(scenario, trace, row)[0].centre_m;
+      // Beside the pin, which the camera looks along.
+      CHECK_EQUAL(has_link_colour(image, camera.project(pose[0].centre_m + Vec3{0.04, 0, 0.04}), 0), here);
+    }
+  }
+}
+
 /// The camera against facts of the world that are not its own: who looks from the axis' tip sees `horizontal` to the
 /// right and z upwards. The report's double pendulum turns about x, so y points right; the wall's about y, seen from
 /// -y.
@@ -594,6 +619,7 @@ int main() {
 #endif
   right_handed();
   bodies_where_mathematics_says();
+  held_bodies_move_in_the_picture();
   links_where_mathematics_says();
   nearer_hides_farther();
   hopeless_poses_are_left_out();

@@ -65,6 +65,27 @@ void energies_and_momentum() {
   CHECK(!measure(trace, nullptr, 1).max_gap);
 }
 
+// A trace has the columns that its problem gives a meaning, and no others: a joint in the air has no ground to reach
+// into.
+void columns() {
+  Scenario scenario = one_box();
+  const SampleGrid grid = sample_grid(scenario);
+  BodyState low = state({}, {});
+  low.position[2] = 1.25;
+  const Rows rows = rows_of({state({}, {}), low});
+  const Trace free = body_trace(scenario, grid, rows);
+  CHECK(free.gap.empty() && free.penetration.empty() && !free.angular_momentum_drift.empty());
+  scenario.joint = Joint{};
+  const Trace jointed = body_trace(scenario, grid, rows);
+  CHECK(!jointed.gap.empty() && jointed.penetration.empty() && jointed.angular_momentum_drift.empty());
+  scenario.joint.reset();
+  scenario.ground = Ground{};
+  const Trace grounded = body_trace(scenario, grid, rows);
+  CHECK(grounded.gap.empty() && !grounded.penetration.empty() && grounded.angular_momentum_drift.empty());
+  CHECK_EQUAL(grounded.penetration[0], 0.0);
+  CHECK_NEAR(grounded.penetration[1], 0.25, rounding);  // half the box is 1.5 m high
+}
+
 void errors() {
   const Scenario scenario = one_box();
   const SampleGrid grid = sample_grid(scenario);
@@ -127,6 +148,7 @@ void fall() {
 
 int main() {
   energies_and_momentum();
+  columns();
   errors();
   long_axis_spin();
   fall();
