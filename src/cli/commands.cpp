@@ -12,7 +12,8 @@ namespace odeval::cli {
 namespace {
 
 constexpr std::array table{
-    Command{"list", "scenarios, methods, commands, library versions and precision of this build", attach_list},
+    Command{"list", "scenarios, methods, metrics, keys of scenario files, commands and versions of this build",
+            attach_list},
     Command{"run", "traces, summaries and energy drift of one scenario", attach_run},
     Command{"bench", "timing table, methods interleaved, no output while timing", attach_bench},
     Command{"sweep", "a grid of settings in every method, on every core; stopped, it goes on where it was",

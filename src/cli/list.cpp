@@ -1,6 +1,7 @@
 // odeval list: what this build can do.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <iostream>
 
 #include "catalogue/methods.hpp"
@@ -11,14 +12,35 @@
 #include "odeval/metrics.hpp"
 #include "output/listing.hpp"
 #include "scenario/find_scenario.hpp"
+#include "scenario/scenario_keys.hpp"
 
 namespace odeval::cli {
 namespace {
 
+constexpr std::array kinds{"scenarios", "methods", "metrics", "keys", "commands", "versions"};
+
 struct Options {
   bool json = false;
-  std::string names;
+  std::string kind;   // empty: all
+  std::string names;  // a kind, of which the names alone
 };
+
+/// Keys as --set and --grid take them; of a list of tables those of the first.
+Listing keys() {
+  Listing listing{"keys", {}};
+  // Their names would fill a page, and have listings of their own.
+  const Names names{{"the methods"}, {"the metrics"}};
+  for (const KeyRow& row : key_table()) {
+    std::string path;
+    for (const SectionRow& section : section_table()) {
+      if (section.name == row.section) path = std::string(section.name) + (section.list ? ".0." : ".");
+    }
+    const std::string fallback = row.required() ? "required" : "default: " + std::string(row.fallback);
+    listing.rows.push_back(
+        {path + std::string(row.name), std::string(row.meaning) + "; " + rule_of(row, names) + "; " + fallback});
+  }
+  return listing;
+}
 
 std::vector<Listing> listings() {
   Listing scenarios{"scenarios", {}};
@@ -41,11 +63,12 @@ std::vector<Listing> listings() {
   for (const Command& command : commands()) {
     names.rows.push_back({std::string(command.name), std::string(command.summary)});
   }
-  return {scenarios, methods, metrics, names, {"versions", catalogue::versions()}};
+  return {scenarios, methods, metrics, keys(), names, {"versions", catalogue::versions()}};
 }
 
 int list(const Options& options) {
-  const std::vector<Listing> all = listings();
+  std::vector<Listing> all = listings();
+  if (!options.kind.empty()) std::erase_if(all, [&](const Listing& listing) { return listing.name != options.kind; });
   if (!options.names.empty()) {
     const auto wanted = std::ranges::find(all, options.names, &Listing::name);
     for (const auto& row : wanted->rows) std::cout << row.first << '\n';
@@ -59,9 +82,11 @@ int list(const Options& options) {
 
 Action attach_list(CLI::App& app) {
   const auto options = std::make_shared<Options>();
+  app.add_option("KIND", options->kind, "only one kind; default: all")->check(CLI::IsMember(kinds));
   app.add_flag("--json", options->json, "for programs");
   app.add_option("--names", options->names, "only the names of one kind, one a line")
-      ->check(CLI::IsMember({"scenarios", "methods", "metrics", "commands", "versions"}));
+      ->check(CLI::IsMember(kinds))
+      ->excludes("KIND");
   return [options] { return list(*options); };
 }
 

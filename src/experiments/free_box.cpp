@@ -68,7 +68,7 @@ Section free_box(Laboratory& laboratory, Findings& findings) {
       {},
       "Largest errors against the closed form, with how far that may itself be off. Those of angular "
       "momentum and energy are relative to |L| and the kinetic energy at the start, as in the benchmark."};
-  report::Panel over_steps{.x_label = "h, s", .y_label = "error", .log_x = true, .log_y = true};
+  report::Panel over_steps{.x_label = "h, s", .y_label = "error, rad or m", .log_x = true, .log_y = true};
   report::Panel over_time{.x_label = "t, s", .y_label = "angle, rad", .log_y = true};
   report::Series turned{fmt::format("angle until {} s, rad", early_s), {}, {}, report::Mark::line_and_points};
   report::Series fallen{"distance until 10 s, m", {}, {}, report::Mark::line_and_points};

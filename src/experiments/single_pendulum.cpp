@@ -49,10 +49,9 @@ Section single_pendulum(Laboratory& laboratory, Findings& findings) {
 
   Section section{"single-pendulum", "Was the double pendulum a good choice?", {}};
   section.blocks.emplace_back(report::Text{fmt::format(
-      "The report wished it had compared single pendulums. From 1 s to 10 s the error of dWorldStep grows {} times on "
-      "the single pendulum and {} times on the double one, where after some seconds it measures the motion and no "
-      "longer "
-      "the method.",
+      "The report wished it had compared single pendulums. From 1 s to 10 s the largest error of dWorldStep grows by a "
+      "factor of {} on the single pendulum and of {} on the double one, where after some seconds it measures the "
+      "motion and no longer the method.",
       shown(growth[0]), shown(growth[1]))});
   section.blocks.emplace_back(report::Figure{"single-pendulum-errors",
                                              "Errors on the single pendulum",

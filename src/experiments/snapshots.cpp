@@ -1,4 +1,4 @@
-// Pictures of the two motions that the report shows: its Figures 5.8 and 6.2.
+// Pictures of the motions: the two that the report shows, its Figures 5.8 and 6.2, and those of the new scenarios.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -18,10 +18,58 @@ const render::View corner{30, 14, {}};
 struct Wanted {
   const char* name;
   const char* title;
-  const char* figure;  // of the report
+  const char* after;  // whose picture it is like
   const char* scenario;
   std::vector<double> times;  // s
   int width, height;          // pixels: four times the area that a phone shows, and no more
+};
+
+/// Short motions whole, others for as long as a look tells something.
+const Wanted others[] = {
+    {"picture-chain", "A chain of eight links.", "", "chain", {0, 0.2, 0.4, 0.6, 0.8, 1}, 720, 480},
+    {"picture-potra",
+     "Two points on rods that both hit a wall.",
+     ", points drawn small as they are",
+     "potra_pendulum",
+     {0, 0.3, 0.6, 0.9, 1.2, 1.5},
+     720,
+     480},
+    {"picture-iftomm",
+     "The pendulum of the IFToMM benchmark.",
+     "",
+     "iftomm_pendulum",
+     {0, 0.2, 0.4, 0.6, 0.8, 1},
+     720,
+     480},
+    {"picture-free-box",
+     "A free box that tumbles.",
+     ", seen by a camera that falls with it",
+     "free_box",
+     {0, 0.5, 1, 1.5, 2, 2.5},
+     720,
+     480},
+    {"picture-thin-body",
+     "A long thin body that spins across its length.",
+     "",
+     "thin_body",
+     {0, 0.5, 1, 1.5, 2, 2.5},
+     720,
+     480},
+    {"picture-bouncing-ball", "A ball that bounces.", "", "bouncing_ball", {0, 0.25, 0.45, 0.75, 1.085, 1.3}, 720, 480},
+    {"picture-friction",
+     "A box that slides until friction holds it.",
+     "",
+     "friction_slide",
+     {0, 0.25, 0.5, 0.75},
+     720,
+     480},
+    {"picture-spring-joint",
+     "A cube on a joint that is a spring and a damper.",
+     "",
+     "spring_joint",
+     {0, 0.1, 0.2, 0.3, 0.4, 0.5},
+     720,
+     480},
 };
 
 /// The sample nearest to each time.
@@ -47,8 +95,7 @@ report::Picture picture(const Wanted& wanted, const Scenario& scenario, const Tr
   const render::Image image = shots.size() == 1
                                   ? studio.picture(shots.front(), {who, step + ", " + shots.front().label})
                                   : studio.sheet(shots, {who, step});
-  return {wanted.name, wanted.title,
-          fmt::format("Of the run with {}, as {} of the 2010 report shows it.", shown_method, wanted.figure),
+  return {wanted.name, wanted.title, fmt::format("Of the run with {}{}.", shown_method, wanted.after),
           render::png(image, {{"scenario", scenario.name}, {"method", std::string(shown_method)}})};
 }
 
@@ -78,17 +125,23 @@ Section snapshots(Laboratory& laboratory, Findings&) {
   section.blocks.emplace_back(report::Text{
       "The bodies as ODE has them, drawn from the samples of its runs. The same pictures, of any scenario, method and "
       "time, are made by odeval snapshot."});
-  section.blocks.push_back(
-      block({"picture-5-8", "The double pendulum at its release.", "Figure 5.8", "double_pendulum", {0}, 720, 540},
-            laboratory, false));
+  section.blocks.push_back(block({"picture-5-8",
+                                  "The double pendulum at its release.",
+                                  ", as Figure 5.8 of the 2010 report shows it",
+                                  "double_pendulum",
+                                  {0},
+                                  720,
+                                  540},
+                                 laboratory, false));
   section.blocks.push_back(block({"picture-6-2",
                                   "The wall pendulum from its release to its way back from the wall.",
-                                  "Figure 6.2",
+                                  ", as Figure 6.2 of the 2010 report shows it",
                                   "wall_pendulum",
                                   {},
                                   960,
                                   640},
                                  laboratory, true));
+  for (const Wanted& wanted : others) section.blocks.push_back(block(wanted, laboratory, false));
   return section;
 }
 

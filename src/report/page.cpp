@@ -119,7 +119,7 @@ class Writer {
   }
 
   static std::string number_html(const Finding& finding) {
-    return fmt::format("{} <b>{}</b>", escaped(finding.meaning), escaped(shown(finding)));
+    return fmt::format("{} <b class=\"whole\">{}</b>", escaped(finding.meaning), escaped(shown(finding)));
   }
 
   static bool usable(const Finding* finding) {
@@ -179,11 +179,12 @@ class Writer {
     const Finding* const finding = findings_.find(condition.finding);
     const std::string meaning = finding != nullptr ? escaped(finding->meaning) + " " : "";
     const std::string rule =
-        fmt::format("{}{} {} {}", meaning, code(condition.finding), condition.relation == Relation::at_most ? "≤" : "≥",
-                    escaped(shown(condition.bound)));
+        fmt::format("{}{} <span class=\"whole\">{} {}</span>", meaning, code(condition.finding),
+                    condition.relation == Relation::at_most ? "≤" : "≥", escaped(shown(condition.bound)));
     if (!usable(finding)) return "<li>" + rule + ": <span class=\"missing\">not measured</span></li>\n";
     const std::optional<bool> held = holds(condition, *finding);
-    return fmt::format("<li>{}: measured {}, which <b>{}</b></li>\n", rule, escaped(shown(*finding)),
+    return fmt::format("<li>{}: measured <span class=\"whole\">{}</span>, which <b>{}</b></li>\n", rule,
+                       escaped(shown(*finding)),
                        !held   ? "leaves it open: the bound lies within the uncertainty"
                        : *held ? "holds"
                                : "does not hold");
@@ -242,7 +243,10 @@ class Writer {
   static std::string block_html(const Text& text) { return paragraph(text.text); }
 
   static std::string cell_html(const Cell& cell, Footnotes& notes) {
-    if (const std::string* const text = std::get_if<std::string>(&cell)) return "<td>" + escaped(*text) + "</td>";
+    if (const std::string* const text = std::get_if<std::string>(&cell)) {
+      const bool one_word = text->find(' ') == std::string::npos;  // a name, which no hyphen may break
+      return (one_word ? "<td class=\"whole\">" : "<td>") + escaped(*text) + "</td>";
+    }
     if (const double* const number = std::get_if<double>(&cell); number != nullptr && std::isfinite(*number)) {
       return "<td class=\"number\">" + shown(*number) + "</td>";
     }
@@ -255,6 +259,11 @@ class Writer {
     return std::ranges::any_of(table.rows, [column](const std::vector<Cell>& row) {
       return column < row.size() && !std::holds_alternative<std::string>(row[column]);
     });
+  }
+
+  /// The box that a table scrolls in: sideways, and a long one up and down under its head as well.
+  static std::string box(std::size_t rows) {
+    return rows > 24 ? "<div class=\"scroll long\" tabindex=\"0\">" : "<div class=\"scroll\" tabindex=\"0\">";
   }
 
   std::string block_html(const Table& table) {
@@ -274,7 +283,7 @@ class Writer {
     }
     std::string html = fmt::format("<figure class=\"table\" id=\"{}\">\n<figcaption><b>{}</b> {}</figcaption>\n",
                                    escaped(id), escaped(table.title), link(csv_of(table), "CSV"));
-    html += "<div class=\"scroll\" tabindex=\"0\"><table>\n<thead><tr>" + head + "</tr></thead>\n<tbody>\n" + rows +
+    html += box(table.rows.size()) + "<table>\n<thead><tr>" + head + "</tr></thead>\n<tbody>\n" + rows +
             "</tbody>\n</table></div>\n" + notes.text();
     if (!table.note.empty()) html += "<p class=\"note\">" + escaped(table.note) + "</p>\n";
     return html + "</figure>\n";
@@ -372,9 +381,8 @@ class Writer {
            link("report/findings.csv", "findings.csv") +
            ", and every condition of every claim "
            "beside it in " +
-           link("report/verdicts.csv", "verdicts.csv") +
-           ".</p>\n"
-           "<div class=\"scroll\" tabindex=\"0\"><table>\n<thead><tr><th scope=\"col\">name</th><th scope=\"col\">"
+           link("report/verdicts.csv", "verdicts.csv") + ".</p>\n" + box(findings_.all().size()) +
+           "<table>\n<thead><tr><th scope=\"col\">name</th><th scope=\"col\">"
            "meaning</th><th scope=\"col\" class=\"number\">value</th></tr></thead>\n<tbody>\n" +
            rows + "</tbody>\n</table></div>\n</section>\n";
   }

@@ -86,7 +86,9 @@ dd { margin: 0; overflow-wrap: anywhere; }
   .panels.in-2 svg.plot text { font-size: .88em; }
 }
 @media screen {
-  .scroll td:first-child { white-space: nowrap; }
+  .scroll td:first-child, .whole { white-space: nowrap; }
+  .long { max-height: min(36rem, 80vh); overflow-y: auto; border-bottom: 1px solid var(--rule); }
+  .long thead th { position: sticky; top: 0; background: var(--paper); box-shadow: inset 0 -2px var(--rule); }
 }
 @media screen and (max-width: 47.99rem) {
   body { padding: 1.2rem .9rem 3rem; }

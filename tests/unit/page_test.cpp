@@ -228,10 +228,15 @@ void files_are_linked(const std::string& html) {
 }
 
 void a_verdict_shows_its_numbers_and_rule(const std::string& html) {
-  CHECK(holds_text(html, "error of &lt;a&gt; over b <b>12.5 ± 0.2</b>"));
-  CHECK(holds_text(html, "<code>T1.ratio</code> ≥ 2: measured 12.5 ± 0.2, which <b>holds</b>"));
-  CHECK(holds_text(html, "<code>T1.ratio</code> ≤ 1: measured 12.5 ± 0.2, which <b>does not hold</b>"));
-  CHECK(holds_text(html, "<code>T2.never</code> ≥ 2: <span class=\"missing\">not measured</span>"));
+  CHECK(holds_text(html, "error of &lt;a&gt; over b <b class=\"whole\">12.5 ± 0.2</b>"));
+  CHECK(holds_text(html,
+                   "<code>T1.ratio</code> <span class=\"whole\">≥ 2</span>: measured <span class=\"whole\">12.5 ± "
+                   "0.2</span>, which <b>holds</b>"));
+  CHECK(holds_text(html,
+                   "<code>T1.ratio</code> <span class=\"whole\">≤ 1</span>: measured <span class=\"whole\">12.5 ± "
+                   "0.2</span>, which <b>does not hold</b>"));
+  CHECK(holds_text(
+      html, "<code>T2.never</code> <span class=\"whole\">≥ 2</span>: <span class=\"missing\">not measured</span>"));
 }
 
 void tables_have_all_digits_beside_the_page() {
