@@ -15,6 +15,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <new>
 
 #include "odeval/error.hpp"
@@ -217,25 +218,34 @@ Worker::~Worker() {
   ::close(descriptor_);
 }
 
+double Worker::pace_s() const {
+  return done_ > 0 ? busy_s_ / static_cast<double>(done_) : std::numeric_limits<double>::infinity();
+}
+
 void Worker::give(const Task& task) {
-  task_ = task;
+  if (!busy()) begun_at_s_ = steady_seconds();
+  tasks_.push_back(task);
   group_ = task.group;
-  ++tasks_;
-  begun_at_s_ = steady_seconds();
+  ++given_;
   while (::send(descriptor_, &task, sizeof task, MSG_NOSIGNAL) < 0) {
     if (errno != EINTR) return;
   }
 }
 
+// A worker that ends with tasks unread resets the connection; what it had answered can be read after that.
 std::optional<Answer> Worker::take() {
   std::array<char, longest_message> message;
   ssize_t got = 0;
   do {
     got = ::recv(descriptor_, message.data(), message.size(), 0);
-  } while (got < 0 && errno == EINTR);
+  } while (got < 0 && (errno == EINTR || errno == ECONNRESET));
   if (got <= 0) return std::nullopt;
   Answer answer = answer_of({message.data(), static_cast<std::size_t>(got)});
-  task_.reset();
+  tasks_.pop_front();
+  ++done_;
+  const double now = steady_seconds();
+  busy_s_ += now - begun_at_s_;
+  begun_at_s_ = now;  // of the next, if there is one
   return answer;
 }
 
