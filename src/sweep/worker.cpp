@@ -1,6 +1,7 @@
 #include "sweep/worker.hpp"
 
 #include <fcntl.h>
+#include <malloc.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -143,6 +144,13 @@ void silence() {
   ::setrlimit(RLIMIT_CORE, &no_core);
 }
 
+/// A run needs the memory of the one before: given back to the system and asked for again, page by page, it costs
+/// 4 ms of a run of 20 ms and 10,001 rows.
+void keep_memory() {
+  ::mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the most there is
+  ::mallopt(M_TRIM_THRESHOLD, 256 << 20);
+}
+
 bool raised_by_itself(int signal) {
   constexpr std::array own{SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGSYS, SIGXCPU, SIGXFSZ};
   return std::find(own.begin(), own.end(), signal) != own.end();
@@ -204,6 +212,7 @@ Worker::Worker(const Work& work, const std::vector<Shared>& shared) {
     if (::getppid() != parent) ::_exit(0);
     reset_signals();
     silence();
+    keep_memory();
     serve(ends[1], work, shared);
   }
   ::close(ends[1]);
