@@ -9,6 +9,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
+#include <deque>
 #include <list>
 #include <map>
 #include <memory>
@@ -25,6 +26,11 @@ constexpr long most_tasks = 500;
 constexpr int most_ends_from_outside = 20;
 
 constexpr double longest_wait_s = 0.5;
+
+// What a worker has at hand, so that it need not wait until this process gets its turn: no more, since what stands
+// behind a task is kept from the other workers.
+constexpr double at_hand_s = 0.05;
+constexpr std::size_t most_at_hand = 8;
 
 /// SIGINT, SIGTERM and SIGHUP as something to read, while it lives.
 class Signals {
@@ -89,9 +95,7 @@ class Sweep {
     const std::size_t wanted = std::min(static_cast<std::size_t>(options_.jobs), plan_.size());
     for (std::size_t i = 0; i < wanted; ++i) workers_.push_back(new_worker());
     for (;;) {
-      for (auto& worker : workers_) {
-        if (!worker->busy()) employ(worker);
-      }
+      for (auto& worker : workers_) employ(worker);
       if (std::none_of(workers_.begin(), workers_.end(), [](const auto& worker) { return worker->busy(); })) return 0;
       wait();
       if (const int signal = signals_.take()) return signal;
@@ -107,25 +111,40 @@ class Sweep {
 
   WorkerPlace new_worker() const { return std::make_unique<Worker>(work_, shared_); }
 
-  /// The worker's next task, if there is one for it now.
+  /// The worker's next tasks, if there are any for it now.
   void employ(WorkerPlace& worker) {
-    const std::optional<Task> task = next_task(worker->group());
-    if (!task) return;
-    if (worker->tasks() >= most_tasks) worker = new_worker();
-    worker->give(*task);
+    if (!worker->busy()) {
+      const std::optional<Task> task = next_task(worker->group());
+      if (!task) return;
+      if (worker->given() >= most_tasks) worker = new_worker();
+      worker->give(*task);
+    }
+    if (worker->tasks().front().kind == Task::Kind::prepare) return;
+    const double most = std::min(at_hand_s / worker->pace_s(), static_cast<double>(most_at_hand));
+    while (static_cast<double>(worker->tasks().size()) < most && worker->given() < most_tasks &&
+           plan_.size() - handed_ >= workers_.size()) {
+      const std::optional<Task> task = next_run(worker->group());
+      if (!task) return;
+      worker->give(*task);
+    }
   }
 
-  /// A run of a group that is ready, of the worker's own before any other; else a group is begun.
-  std::optional<Task> next_task(long own) {
+  /// A run of a group that is ready, of `own` before any other.
+  std::optional<Task> next_run(long own) {
     Open* chosen = nullptr;
     for (Open& open : open_) {
       if (open.phase != Open::Phase::ready || open.next == open.end) continue;
       if (chosen == nullptr || open.group == own) chosen = &open;
     }
-    if (chosen != nullptr) {
-      ++chosen->running;
-      return Task{Task::Kind::run, plan_[chosen->next++], chosen->group, chosen->place};
-    }
+    if (chosen == nullptr) return std::nullopt;
+    ++chosen->running;
+    ++handed_;
+    return Task{Task::Kind::run, plan_[chosen->next++], chosen->group, chosen->place};
+  }
+
+  /// A run that can be done at once; else a group is begun.
+  std::optional<Task> next_task(long own) {
+    if (const auto run = next_run(own)) return run;
     if (begun_ == plan_.size() || free_places_.empty()) return std::nullopt;
     const std::uint32_t group = groups_[plan_[begun_]];
     const std::size_t first = begun_;
@@ -157,11 +176,10 @@ class Sweep {
   }
 
   void answer(WorkerPlace& worker) {
-    const Task task = worker->busy() ? worker->task() : Task{};
-    const bool busy = worker->busy();
+    const Task task = worker->busy() ? worker->tasks().front() : Task{};
     const std::optional<Answer> answer = worker->take();
     if (!answer) {
-      mend(worker, busy ? std::optional(task) : std::nullopt);
+      mend(worker);
     } else if (answer->kind == Answer::Kind::refused) {
       throw UserError(answer->text);
     } else if (answer->kind == Answer::Kind::broken) {
@@ -173,27 +191,33 @@ class Sweep {
     }
   }
 
-  /// In the place of a worker that has ended comes a new one, which tries again unless the run is to blame.
-  void mend(WorkerPlace& worker, const std::optional<Task>& task) {
-    const bool first = worker->tasks() == 1;
+  /// In the place of a worker that has ended comes a new one with its tasks. The one that was under way is tried again
+  /// unless it is to blame.
+  void mend(WorkerPlace& worker) {
+    const bool first = worker->done() == 0;
     const Worker::End end = worker->end();
+    std::deque<Task> tasks = worker->tasks();
     worker = new_worker();
-    if (!task) return;
-    const bool again = end.from_outside ? ++ends_from_outside_[task->run] < most_ends_from_outside : !first;
-    if (again) {
-      worker->give(*task);
-    } else {
-      settle(*task, failure(Status::crashed, *task, end.reason));
+    if (tasks.empty()) return;
+    const Task task = tasks.front();
+    const bool again = end.from_outside ? ++ends_from_outside_[task.run] < most_ends_from_outside : !first;
+    if (!again) {
+      tasks.pop_front();
+      settle(task, failure(Status::crashed, task, end.reason));
     }
+    for (const Task& left : tasks) worker->give(left);
   }
 
   void end_the_late() {
     const double now = steady_seconds();
     for (auto& worker : workers_) {
       if (!worker->busy() || now < worker->begun_at_s() + options_.timeout_s) continue;
-      const Task task = worker->task();
+      std::deque<Task> tasks = worker->tasks();
+      const Task task = tasks.front();
+      tasks.pop_front();
       worker = new_worker();  // the old one ends with its place
       settle(task, failure(Status::timeout, task, "took longer than " + seconds_text(options_.timeout_s) + " s"));
+      for (const Task& left : tasks) worker->give(left);
     }
   }
 
@@ -217,7 +241,7 @@ class Sweep {
     }
     if (task.kind == Task::Kind::prepare) {
       // Without what they share none of its runs can be.
-      while (open->next < open->end) journal_.append(plan_[open->next++], row);
+      for (; open->next < open->end; ++handed_) journal_.append(plan_[open->next++], row);
     } else {
       journal_.append(task.run, row);
       --open->running;
@@ -238,6 +262,7 @@ class Sweep {
   std::vector<Shared> shared_;
   std::vector<std::uint32_t> plan_;  // runs to do, group by group
   std::size_t begun_ = 0;            // of the plan: up to here groups have been opened
+  std::size_t handed_ = 0;           // of the plan: so many are settled or with a worker
   std::list<Open> open_;
   std::vector<int> free_places_;
   std::map<long, int> ends_from_outside_;

@@ -3,6 +3,7 @@
 // and what a run does to the process (an abort, a leak) ends with it.
 #include <sys/types.h>
 
+#include <deque>
 #include <functional>
 #include <optional>
 #include <string>
@@ -77,16 +78,20 @@ class Worker {
 
   int descriptor() const { return descriptor_; }  // readable when there is an answer or an end
   pid_t process() const { return process_; }
-  bool busy() const { return task_.has_value(); }
-  const Task& task() const { return *task_; }
-  long tasks() const { return tasks_; }  // begun
-  long group() const { return group_; }  // of the last of them
-  double begun_at_s() const { return begun_at_s_; }
+  bool busy() const { return !tasks_.empty(); }
+  /// Given and not answered, in the order in which they are done: the first is under way.
+  const std::deque<Task>& tasks() const { return tasks_; }
+  long given() const { return given_; }
+  long group() const { return group_; }  // of the last given
+  long done() const { return done_; }
+  double begun_at_s() const { return begun_at_s_; }  // the first of the tasks
+  /// Mean time of what it has done, s.
+  double pace_s() const;
 
-  /// Gives the next task to a worker that is not busy. A worker that has died in the meantime will show it.
+  /// Gives one more task. A worker that has died in the meantime will show it.
   void give(const Task& task);
 
-  /// The answer to its task; empty when the process has ended instead.
+  /// The answer to the first of its tasks; empty when the process has ended instead.
   std::optional<Answer> take();
 
   void kill() const;
@@ -101,9 +106,11 @@ class Worker {
  private:
   pid_t process_ = -1;
   int descriptor_ = -1;
-  std::optional<Task> task_;
-  long tasks_ = 0;
+  std::deque<Task> tasks_;
+  long given_ = 0;
   long group_ = -1;
+  long done_ = 0;
+  double busy_s_ = 0;  // with what is done
   double begun_at_s_ = 0;
 };
 
