@@ -136,7 +136,11 @@ void check_bounce() {
     dCreatePlane(world.space, 1, 0, 0, 0.3);
     AccurateStepOptions options;
     options.contact = [](dxGeom*, dxGeom*) { return std::optional(odeval::Bounce{1}); };
-    options.forces = [&](double) { dBodyAddForce(ball, -30 * dBodyGetPosition(ball)[0], 0, 0); };
+    double last = 0;
+    options.forces = [&](double t) {
+      last = t;
+      dBodyAddForce(ball, -30 * dBodyGetPosition(ball)[0], 0, 0);
+    };
     AccurateStep step(world.id, world.space, options);
     const auto energy = [&] {
       const double x = dBodyGetPosition(ball)[0], v = dBodyGetLinearVel(ball)[0];
@@ -147,6 +151,7 @@ void check_bounce() {
     for (long k = 0; k < std::lround(3 / h); ++k) {
       step(h);
       impacts += step.touches().size();
+      CHECK_NEAR(last, h, 1e-15);  // counted from the step's start, not from the impact
     }
     CHECK(impacts > 3);
     return std::fabs(energy() - start);
