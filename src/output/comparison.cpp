@@ -37,7 +37,7 @@ bool same(double a, double b, double allowed) {
 std::string allowed_text(double allowed) { return allowed == 0 ? "equal" : three_digits(allowed); }
 
 /// Where a file stands among the results.
-enum class Kind { summary, trace, summaries, report, verdicts, timing, other };
+enum class Kind { summary, trace, summaries, report, verdicts, sweep, timing, other };
 
 struct Place {
   Kind kind = Kind::other;
@@ -55,7 +55,12 @@ Place place_of(const fs::path& file) {
     return {timing ? Kind::timing : Kind::other, "", name};
   }
   if (folder == "report") return {name == "verdicts.csv" ? Kind::verdicts : Kind::report, "", file.string()};
-  if (file.parent_path().has_parent_path() || folder == "sweep") return {Kind::other, "", file.string()};
+  if (folder == "sweep") {
+    // The table holds no times; the journal has the order in which the runs were done, the front their cost.
+    const bool table = type == ".csv" && !stem.ends_with("-timing") && !stem.ends_with("-front");
+    return {table ? Kind::sweep : Kind::timing, "", file.string()};
+  }
+  if (file.parent_path().has_parent_path()) return {Kind::other, "", file.string()};
   if (name == "summary.csv") return {Kind::summaries, folder, "summary"};
   if (type == ".json") return {Kind::summary, folder, stem};
   if (type == ".csv") return {Kind::trace, folder, stem};
@@ -283,7 +288,7 @@ class Folder {
     if (error) throw UserError(root.string() + ": cannot be read: " + error.message());
     const bool results = std::ranges::any_of(files_, [](const std::string& file) {
       const Kind kind = place_of(file).kind;
-      return kind == Kind::summary || kind == Kind::trace || kind == Kind::report;
+      return kind == Kind::summary || kind == Kind::trace || kind == Kind::report || kind == Kind::sweep;
     });
     if (!results) {
       throw UserError(root.string() + ": holds no results; a folder that 'odeval run' or 'odeval report' wrote does");

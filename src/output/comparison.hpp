@@ -3,13 +3,13 @@
 //
 // What two values may differ by and still be the same:
 //
-//   max_error_q, rms_error_q      the sum of both sides' reference_uncertainty at the same time: neither is known
-//   better reference_uncertainty         a factor of two: a bound made from differences of two runs, that is, from
-//   rounding divergence_time               a spacing of rows: an error that is off by its uncertainty passes 0.1 rad
-//   that near q, error_q in a trace         the sum of both sides' uncertainty at the next time it is stated for every
-//   other measured number   rounding, 1e-9 of its size or of 1 in SI units: a double rounds at 1e-16 and the double
-//                                 pendulum makes that grow by 1e6 in 10 s; the rest is a margin
-//   settings, counts, words       nothing
+// - an error against the reference: the sum of both sides' stated uncertainty at the same time, since neither is known
+//   better; likewise q and error_q in a trace, with the uncertainty at the next time for which one is stated
+// - an uncertainty: a factor of two, since it is made from differences of two runs, that is, from rounding
+// - divergence_time: a spacing of rows, since an error that is off by its uncertainty passes 0.1 rad near that
+// - any other measured number: 1e-9 of its size, or of 1 in SI units; a double rounds at 1e-16 and the double pendulum
+//   makes that grow by 1e6 in 10 s, the rest is a margin
+// - settings, counts, words, the table of a sweep: nothing
 //
 // reference_lost_at follows from the bound and is not judged. Versions and the reference's description are not judged
 // but shown. summary.csv says what METHOD.json says and is judged with it.

@@ -214,7 +214,26 @@ void check_tolerances_can_fail() {
 
 }  // namespace
 
+// The acceleration of a ball away from the wall is what its speed changes by along the motion.
+void check_pull() {
+  const BallWall wall(test::report_scenario("potra_pendulum", 1, 1e-3));
+  for (const BallWall::State& y : {BallWall::State{-1.2, 0.4, -1.1, 0.3}, BallWall::State{0.7, -1.9, 2.0, -3.5}}) {
+    BallWall::State rate;
+    wall.equations()(y, rate);
+    for (const std::size_t ball : {0U, 1U}) {
+      const auto speed_after = [&](double t) {
+        BallWall::State moved = y;
+        for (std::size_t i = 0; i < moved.size(); ++i) moved[i] += t * rate[i];
+        return wall.speed(ball, moved);
+      };
+      constexpr double t = 1e-5;  // rounding 1e-16 / t, the cubic term t^2: both about 1e-10
+      CHECK_NEAR(wall.pull(ball, y), (speed_after(t) - speed_after(-t)) / (2 * t), 1e-8);
+    }
+  }
+}
+
 int main() {
+  check_pull();
   check_single_impacts();
   check_double_impacts();
   check_bound_through_impacts();

@@ -104,6 +104,16 @@ void stopping() {
   CHECK(std::hypot(v[0], v[1], v[2]) > 0);
 }
 
+// A force that does not depend on the weight stops a light box sooner: v m / F.
+void constant_force() {
+  for (const double mass : {2.0, 5.0}) {
+    Scenario scenario = slide({{"ground.friction_model", "\"constant\"", ""}});
+    scenario.ground->friction = 12;
+    scenario.bodies[0].mass_kg = mass;
+    CHECK_NEAR(reference::make_body_motion(scenario)->at_rest_from(), 2 * mass / 12, 1e-15);
+  }
+}
+
 void refusals() {
   CHECK_THROWS(slide({{"ground.friction", "-0.1", ""}}), UserError, "ground.friction must be a number from 0 to");
   const auto refused = [](const std::vector<Override>& changes, const char* why) {
@@ -233,15 +243,30 @@ void breaks() {
   CHECK(failed(broken) > 0);
 }
 
+// What friction holds creeps: the row of a contact is J v + CFM f = 0, and four contacts share m g sin(slope). So it
+// goes downhill at CFM m g sin(slope) / 4, whatever the step; after 1.5 s nothing is left of how it settled.
+void creep() {
+  for (const char* cfm : {"1e-5", "1e-4"}) {
+    const Scenario scenario =
+        slide({{"ground.slope", "0.2", ""}, {"bodies.0.velocity", "[0.0, 0.0, 0.0]", ""}, {"ode.cfm", cfm, ""}});
+    const Trace trace = Evaluator(scenario).evaluate(find_method("ode-step-double")).trace;
+    const double rate = std::hypot(trace.bodies[0].velocity[0].back(), trace.bodies[0].velocity[2].back());
+    const double law = scenario.ode.cfm * scenario.bodies[0].mass_kg * scenario.gravity * std::sin(0.2) / 4;
+    CHECK_NEAR(rate / law, 1, 1e-6);
+  }
+}
+
 }  // namespace
 
 int main() {
   closed_form();
   stopping();
+  constant_force();
   refusals();
   own_law();
   order();
   threshold();
+  creep();
   pyramid();
   breaks();
   return test::verdict();
