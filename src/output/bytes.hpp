@@ -116,6 +116,12 @@ void pass(Way& way, Value& value) {
   std::visit([&way](auto& alternative) { pass(way, alternative); }, value);
 }
 
+/// The members of a structure, one after the other.
+template <class Way, class... Values>
+void each(Way& way, Values&... values) {
+  (pass(way, values), ...);
+}
+
 template <class Value>
 std::string of(const Value& value) {
   Writer writer;
