@@ -7,7 +7,8 @@
 #include "odeval/error.hpp"
 
 int main(int argc, char** argv) try {
-  const int status = odeval::cli::run_command_line(argc, argv);
+  odeval::cli::CommandLine line;
+  const int status = line.read({argv + 1, argv + argc})();
   if (!std::cout.flush()) throw odeval::MachineError("standard output cannot be written");
   return status;
 } catch (const odeval::UserError& error) {

@@ -140,16 +140,16 @@ Action attach_bench(CLI::App& app) {
   add_method_option(app, options->methods);
   app.add_option("--repeats", options->repeats, "timed rounds")
       ->type_name("N")
-      ->check(CLI::Range(1, 100000))
+      ->check(whole_within(1, 100000))
       ->capture_default_str();
   app.add_option("--equal-error", options->equal_error,
                  "instead of equal steps: each method at the cheapest step or rtol whose angle error stays below E, "
                  "rad; a --step or --rtol is not used")
       ->type_name("E")
-      ->check(CLI::Range(1e-15, 1.0));
+      ->check(number_within(1e-15, 1.0));
   const CLI::Option* until = app.add_option("--until", options->until, "until when the error has to stay below E, s")
                                  ->type_name("T")
-                                 ->check(CLI::Range(1e-3, 1e4))
+                                 ->check(number_within(1e-3, 1e4))
                                  ->capture_default_str();
   add_out_option(app, options->out);
   app.add_flag("--quiet", options->quiet, "no table, no progress");

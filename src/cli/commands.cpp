@@ -55,24 +55,29 @@ std::string first_line(const std::string& text) { return text.substr(0, text.fin
 
 std::span<const Command> commands() { return table; }
 
-int run_command_line(int argc, char** argv) {
-  CLI::App app("odeval: how far can you trust the Open Dynamics Engine, and with which settings?", "odeval");
-  app.set_version_flag("--version", [] { return "odeval " + catalogue::versions().front().second; });
-  app.require_subcommand(1);
-  std::vector<std::pair<CLI::App*, Action>> actions;
+CommandLine::CommandLine()
+    : app_(std::make_unique<CLI::App>(
+          "odeval: how far can you trust the Open Dynamics Engine, and with which settings?", "odeval")) {
+  app_->set_version_flag("--version", [] { return "odeval " + catalogue::versions().front().second; });
+  app_->require_subcommand(1);
   for (const Command& row : table) {
-    CLI::App* part = app.add_subcommand(std::string(row.name), std::string(row.summary));
-    actions.emplace_back(part, row.attach(*part));
+    CLI::App* part = app_->add_subcommand(std::string(row.name), std::string(row.summary));
+    actions_.emplace_back(part, row.attach(*part));
   }
+}
+
+CommandLine::~CommandLine() = default;
+
+Action CommandLine::read(std::vector<std::string> words) {
+  std::ranges::reverse(words);  // as the parser wants them
   try {
-    app.parse(argc, argv);
+    app_->parse(std::move(words));
   } catch (const CLI::Success& asked_for_help) {
-    return app.exit(asked_for_help);
+    return [this, asked_for_help] { return app_->exit(asked_for_help); };
   } catch (const CLI::ParseError& error) {
-    refuse(app, error);
+    refuse(*app_, error);
   }
-  const auto chosen = std::ranges::find_if(actions, [](const auto& action) { return action.first->parsed(); });
-  return chosen->second();
+  return std::ranges::find_if(actions_, [](const auto& action) { return action.first->parsed(); })->second;
 }
 
 }  // namespace odeval::cli

@@ -1,8 +1,12 @@
 #pragma once
 // The commands of the program: one row each, one file each. Parsing, help and `odeval list` read this table.
 #include <functional>
+#include <memory>
 #include <span>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace CLI {
 class App;
@@ -21,8 +25,21 @@ struct Command {
 
 std::span<const Command> commands();
 
-/// Reads the command line and does what it says. Throws UserError and MachineError.
-int run_command_line(int argc, char** argv);
+/// The program's command line: every command with its flags.
+class CommandLine {
+ public:
+  CommandLine();
+  ~CommandLine();
+  CommandLine(const CommandLine&) = delete;
+  CommandLine& operator=(const CommandLine&) = delete;
+
+  /// What the words after the program's name ask for, not yet done. Throws UserError.
+  Action read(std::vector<std::string> words);
+
+ private:
+  std::unique_ptr<CLI::App> app_;
+  std::vector<std::pair<CLI::App*, Action>> actions_;
+};
 
 Action attach_list(CLI::App& app);
 Action attach_run(CLI::App& app);

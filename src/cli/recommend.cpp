@@ -259,11 +259,14 @@ Action attach_recommend(CLI::App& app) {
   app.add_option("--max-error", options->max_error, "largest angle error allowed, rad")
       ->type_name("E")
       ->required()
-      ->check(CLI::Range(1e-15, 1.0));
-  app.add_option("--until", options->until, "until when, s")->type_name("T")->required()->check(CLI::Range(1e-3, 1e4));
+      ->check(number_within(1e-15, 1.0));
+  app.add_option("--until", options->until, "until when, s")
+      ->type_name("T")
+      ->required()
+      ->check(number_within(1e-3, 1e4));
   app.add_option("--max-energy-drift", options->max_energy_drift, "largest difference from the energy at t = 0, J")
       ->type_name("D")
-      ->check(CLI::Range(1e-15, 1e15));
+      ->check(number_within(1e-15, 1e15));
   add_method_option(app, options->methods);
   add_out_option(app, options->out);
   app.add_flag("--quiet", options->quiet, "no table, no progress");

@@ -1,13 +1,17 @@
 #include "cli/settings.hpp"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iostream>
 
 #include "catalogue/paths.hpp"
 #include "odeval/error.hpp"
 #include "odeval/metrics.hpp"
+#include "output/number.hpp"
 #include "scenario/find_scenario.hpp"
 #include "scenario/scenario_keys.hpp"
 
@@ -47,6 +51,25 @@ const KeyRow& row_of(const std::string& key) {
 }
 
 }  // namespace
+
+CLI::Validator number_within(double least, double most) {
+  const std::string range = number_text(least) + " to " + number_text(most);
+  const auto refuse = [=](const std::string& text) {
+    double number = NAN;
+    const bool right = CLI::detail::lexical_cast(text, number) && number >= least && number <= most;
+    return right ? "" : "must be a number from " + range + ", not " + text;
+  };
+  return {refuse, ""};
+}
+
+CLI::Validator whole_within(long least, long most) {
+  const auto refuse = [=](const std::string& text) {
+    long number = 0;
+    const bool right = CLI::detail::lexical_cast(text, number) && number >= least && number <= most;
+    return right ? "" : fmt::format("must be a whole number from {} to {}, not {}", least, most, text);
+  };
+  return {refuse, ""};
+}
 
 void Settings::attach(CLI::App& app) {
   for (const char* key : flag_keys) {

@@ -11,6 +11,7 @@
 namespace CLI {
 class App;
 class Option;
+class Validator;
 }  // namespace CLI
 
 namespace odeval::cli {
@@ -36,6 +37,10 @@ class Settings {
   std::deque<Flag> flags_;  // stable addresses: the parser writes into them
   std::vector<std::string> sets_;
 };
+
+/// A flag's value: a number, no NaN, or a whole one, of that range.
+CLI::Validator number_within(double least, double most);
+CLI::Validator whole_within(long least, long most);
 
 /// `--method M[,M...]` and `--out DIR`, as every command that has them spells them.
 void add_method_option(CLI::App& app, std::vector<std::string>& methods);

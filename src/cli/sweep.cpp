@@ -54,6 +54,7 @@ sweep::Grid grid_of(const Options& options, const std::vector<Override>& setting
   std::vector<sweep::Axis> axes;
   for (const std::string& text : options.grids) {
     axes.push_back(sweep::parse_axis(text, is_whole_key));
+    if (axes.back().key == "method") throw UserError("--grid method: give the methods by --method M[,M...]");
     const auto same = std::ranges::find(settings, axes.back().key, &Override::key);
     if (same != settings.end()) {
       throw UserError("--grid " + axes.back().key + ": is set by " + same->origin + " as well");
@@ -175,12 +176,12 @@ Action attach_sweep(CLI::App& app) {
   add_method_option(app, options->methods);
   app.add_option("--jobs", options->jobs, "runs at a time; default: one a core")
       ->type_name("N")
-      ->check(CLI::Range(1, 1024));
+      ->check(whole_within(1, 1024));
   app.add_option("--shard", options->shard, "only every N-th run, from the I-th on; 'odeval merge' joins them")
       ->type_name("I/N");
   app.add_option("--timeout", options->timeout_s, "seconds after which a run is given up")
       ->type_name("S")
-      ->check(CLI::Range(1e-3, 1e7))
+      ->check(number_within(1e-3, 1e7))
       ->capture_default_str();
   add_out_option(app, options->out);
   add_answer_options(app, options->answer);

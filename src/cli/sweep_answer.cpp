@@ -52,8 +52,11 @@ class ErrorOf {
     if (!doubt_) return std::nullopt;
     return number_in(row.cells, *doubt_);
   }
-  /// What the error is no larger than.
-  double bound(const Row& row) const { return value(row) + doubt(row).value_or(0); }
+  /// What the error is no larger than. Errors below what the reference knows are not told apart.
+  double bound(const Row& row) const {
+    const double known_to = doubt(row).value_or(0);
+    return std::max(value(row), known_to) + known_to;
+  }
 
  private:
   static std::size_t place(const Head& head, const std::string& name) {
@@ -87,7 +90,7 @@ std::vector<Point> write_tables(const Journal& journal, const fs::path& stem, co
     table.write(
         sweep_line(run, grid.values(run), sweep::status_name(row.status), row.reason, row.cells, head.columns.size()));
     const double cpu_s = 1e-6 * static_cast<double>(row.cpu_us);
-    timing.write(fmt::format("{},{}\n", run, number_text(cpu_s)));
+    timing.write(fmt::format("{},{}\n", run, row.status == Status::timeout ? "" : number_text(cpu_s)));
     if (row.status == Status::ok) points.push_back({run, cpu_s, error.bound(row)});
   }
   table.finish();
@@ -120,7 +123,7 @@ std::string picture(const Journal& journal, const std::vector<Point>& points, co
   const Head& head = journal.head();
   report::Panel panel;
   panel.x_label = "CPU time of the run, s";
-  panel.y_label = metric + unit_of(metric);
+  panel.y_label = metric + unit_of(metric) + ", at most";
   const auto& methods = head.axes.back().values;
   for (const std::string& method : methods) panel.series.push_back({method, {}, {}, report::Mark::points});
   const std::size_t every = points.size() / most_drawn + 1;
@@ -200,6 +203,8 @@ int answer(const Journal& journal, const fs::path& folder, const AnswerOptions& 
   }
   write_whole(stem.string() + "-front.csv", csv);
   bool drawn = false;
+  std::error_code ignored;
+  fs::remove(stem.string() + "-front.png", ignored);  // of an earlier front
   try {
     const std::string png = picture(journal, points, front, metric);
     drawn = !png.empty();
@@ -213,7 +218,7 @@ int answer(const Journal& journal, const fs::path& folder, const AnswerOptions& 
     std::cout << fmt::format("{}: {} runs ({}{}): {}\n", head.scenario, journal.rows(), grid_text(head), shard,
                              counts_text(journal));
     if (front.empty()) {
-      std::cout << "\nno run went through with a " << metric << ": there is no front\n";
+      std::cout << "\nno run is ok and has a " << metric << ": there is no front\n";
     } else {
       std::cout << "\nthe least " << metric << " that a cost buys (Pareto front)\n\n"
                 << table.text()

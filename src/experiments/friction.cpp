@@ -18,6 +18,7 @@ using std::numbers::pi;
 
 constexpr double directions_deg[] = {0, 7.5, 15, 22.5, 30, 37.5, 45};
 constexpr std::string_view step_double = "ode-step-double";
+constexpr std::string_view quickstep_double = "ode-quickstep-double";
 
 struct Case {
   std::string_view label;
@@ -28,7 +29,8 @@ struct Case {
 constexpr Case cases[] = {
     {"dWorldStep, pyramid", step_double, FrictionModel::pyramid, FrictionAxes::plane_space},
     {"dWorldStep, constant force", step_double, FrictionModel::constant, FrictionAxes::plane_space},
-    {"QuickStep, pyramid", "ode-quickstep-double", FrictionModel::pyramid, FrictionAxes::plane_space},
+    {"QuickStep, pyramid", quickstep_double, FrictionModel::pyramid, FrictionAxes::plane_space},
+    {"QuickStep, constant force", quickstep_double, FrictionModel::constant, FrictionAxes::plane_space},
     {"dWorldStep, pyramid along the slide", step_double, FrictionModel::pyramid, FrictionAxes::sliding},
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "experiments/all.hpp"
 #include "experiments/parts.hpp"
@@ -35,12 +36,14 @@ Section half_step_energy(Laboratory& laboratory, Findings& findings) {
       {},
       "The runs are those of the scenario files. Both columns are of the same motion, so the error of "
       "the angles is one."};
-  for (const char* name : {"double_pendulum", "single_pendulum"}) {
+  for (const char* name : {"double_pendulum", "single_pendulum", "chain"}) {
     Evaluator& evaluator = laboratory.evaluator(name);
     const Evaluation& run = *laboratory.run(name, method);
     const Column stored = energy_drift(run.trace);
     const Column centred = centred_energy_drift(evaluator.scenario(), run.trace);
-    for (const double time_s : {1.0, until_s, evaluator.scenario().duration_s}) {
+    std::set<double> times{1.0, until_s, evaluator.scenario().duration_s};
+    times.erase(times.upper_bound(evaluator.scenario().duration_s), times.end());
+    for (const double time_s : times) {
       const double usual = largest_until(run.trace.t, stored, time_s);
       const double half = largest_until(run.trace.t, centred, time_s);
       table.rows.push_back({std::string(name), time_s, usual, half, usual / half, error_until(evaluator, run, time_s)});

@@ -44,7 +44,7 @@ small { color: var(--soft); }
 code { font: .9em ui-monospace, SFMono-Regular, Menlo, Consolas, "DejaVu Sans Mono", monospace; overflow-wrap: anywhere; }
 sup { line-height: 0; }
 nav { margin-top: 3rem; }
-nav ol { columns: 20rem auto; padding-left: 1.6rem; }
+nav ol { columns: 18rem auto; column-gap: 3rem; padding-left: 1.8rem; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .9rem; }
 th, td { padding: .35rem .7rem; text-align: left; vertical-align: top; border-bottom: 1px solid var(--rule); }
 thead th { border-bottom: 2px solid var(--rule); vertical-align: bottom; }
@@ -104,9 +104,12 @@ dd { margin: 0; overflow-wrap: anywhere; }
   html { font-size: 9pt; }
   body { max-width: none; padding: 0; }
   .scroll { overflow: visible; }
-  table { font-size: .82rem; width: 100%; }
-  th, td { padding: .15rem .3rem; overflow-wrap: anywhere; }
-  td.number { white-space: normal; }
+  table { font-size: .76rem; width: 100%; }
+  th, td { padding: .12rem .25rem; }
+  .verdicts td:last-child { white-space: nowrap; }
+  .long tbody tr:nth-child(n+25) { display: none; }
+  .long::after { content: "Printed as far as row 24; all rows are in the CSV file."; font-size: .76rem; font-style: italic; }
+  .picture img { max-height: 9cm; }
   figure, tr, article, .panels > * { break-inside: avoid; }
   figure.table { break-inside: auto; }
   h2, h3 { break-after: avoid; }

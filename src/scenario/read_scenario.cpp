@@ -347,8 +347,10 @@ class Reader {
     const char* const soft = typed_key("ode.erp", "ode.cfm");
     const bool spring = typed_key("ode.kp", "ode.kd") != nullptr;
     if (soft != nullptr && !spring) {
-      if (!given("ode.erp") || !given("ode.cfm")) {
-        fail(soft, "", "must come with both ode.erp and ode.cfm, to replace the file's ode.kp and ode.kd");
+      for (const char* other : {"ode.erp", "ode.cfm"}) {
+        if (!given(other)) {
+          fail(soft, "", fmt::format("needs {} beside it, to replace the file's ode.kp and ode.kd", other));
+        }
       }
       scenario_.ode.spring.reset();
       return;

@@ -102,7 +102,7 @@ Range range_of(const std::string& text, const std::string& words) {
 Axis parse_axis(const std::string& text, const std::function<bool(const std::string& key)>& is_whole) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0) {
-    fail(text, "must be KEY=V1,V2,... or KEY=log:A:B:N, e.g. --grid step=log:1e-4:1e-2:9");
+    fail(text, "must be KEY=V1,V2,..., KEY=log:A:B:N or KEY=lin:A:B:N, e.g. --grid step=log:1e-4:1e-2:9");
   }
   Axis axis{text.substr(0, equals), {}};
   const std::string words = text.substr(equals + 1);

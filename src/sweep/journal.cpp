@@ -311,13 +311,27 @@ void Journal::note(long run, std::uint64_t offset, const Row& found) {
   }
   std::uint64_t& place = offsets_[static_cast<std::size_t>(run)];
   if (place != 0) {
-    if (row(run).same_as(found)) return;
+    const Row before = row(run);
+    if (before.same_as(found)) return;
+    if (before.status == Status::timeout) {
+      place = offset + 1;
+      --by_status_[static_cast<std::size_t>(before.status)];
+      ++by_status_[static_cast<std::size_t>(found.status)];
+      return;
+    }
     throw MachineError(file_.string() + ": two rows of run " + std::to_string(run) +
                        " contradict each other; remove the file and sweep again");
   }
   place = offset + 1;
   ++rows_;
   ++by_status_[static_cast<std::size_t>(found.status)];
+}
+
+bool Journal::settled(long run, double timeout_s) const {
+  if (!has(run)) return false;
+  if (rows(Status::timeout) == 0) return true;
+  const Row known = row(run);
+  return known.status != Status::timeout || static_cast<double>(known.cpu_us) >= 1e6 * timeout_s - 1;
 }
 
 Row Journal::row(long run) const {

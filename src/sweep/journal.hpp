@@ -38,7 +38,7 @@ std::string_view status_name(Status status);
 struct Row {
   Status status = Status::ok;
   std::string reason;  // why not ok
-  long cpu_us = 0;     // of the stepping; what differs from one sweep to the next, and is no part of the table
+  long cpu_us = 0;     // of the stepping, or the time after which a run was given up; no part of the table
   std::string cells;   // the columns' values as CSV; empty when the run did not get that far
 
   /// But for the time it took.
@@ -89,6 +89,8 @@ class Journal {
   const Head& head() const { return head_; }
   long runs() const { return static_cast<long>(offsets_.size()); }  // of the whole grid
   bool has(long run) const { return offsets_[static_cast<std::size_t>(run)] != 0; }
+  /// Whether a sweep that gives each run so much time has nothing left to do for it.
+  bool settled(long run, double timeout_s) const;
   long rows() const { return rows_; }
   long rows(Status status) const { return by_status_[static_cast<std::size_t>(status)]; }
   long damaged() const { return damaged_; }  // lines
@@ -96,7 +98,7 @@ class Journal {
   /// Of a run that it has.
   Row row(long run) const;
 
-  /// A whole line or none. It is safe from a power failure after the next `sync`, which comes by itself at times.
+  /// A whole line or none; a run that was given up may come again, given more time. It is safe from a power failure after the next `sync`, which comes by itself at times.
   void append(long run, const Row& row);
   void sync();
 

@@ -86,7 +86,8 @@ class Sweep {
         shared_(static_cast<std::size_t>(options.jobs) + 1) {
     for (int place = 0; place <= options.jobs; ++place) free_places_.push_back(place);
     for (long run = 0; run < journal.runs(); ++run) {
-      if (journal.head().shard.holds(run) && !journal.has(run)) plan_.push_back(static_cast<std::uint32_t>(run));
+      if (journal.head().shard.holds(run) && !journal.settled(run, options.timeout_s))
+        plan_.push_back(static_cast<std::uint32_t>(run));
     }
     std::stable_sort(plan_.begin(), plan_.end(), [&](auto a, auto b) { return groups[a] < groups[b]; });
   }
@@ -216,7 +217,9 @@ class Sweep {
       const Task task = tasks.front();
       tasks.pop_front();
       worker = new_worker();  // the old one ends with its place
-      settle(task, failure(Status::timeout, task, "took longer than " + seconds_text(options_.timeout_s) + " s"));
+      Row row = failure(Status::timeout, task, "took longer than " + seconds_text(options_.timeout_s) + " s");
+      row.cpu_us = std::lround(1e6 * options_.timeout_s);
+      settle(task, row);
       for (const Task& left : tasks) worker->give(left);
     }
   }

@@ -447,7 +447,7 @@ void springs_take_the_place_of_erp_and_cfm() {
   CHECK_THROWS(read(single, {{"ode.kp", "100", "--kp"}}), UserError, "--kp 100: ode.kp needs ode.kd beside it");
   CHECK_THROWS(read(single + "[ode]\nkd = 2\n"), UserError, "x.toml: ode.kd = 2: needs ode.kp beside it");
   CHECK_THROWS(read(spring, {{"ode.erp", "0.3", "--erp"}}), UserError,
-               "--erp 0.3: ode.erp must come with both ode.erp and ode.cfm, to replace the file's ode.kp and ode.kd");
+               "--erp 0.3: ode.erp needs ode.cfm beside it, to replace the file's ode.kp and ode.kd");
   CHECK_THROWS(read(single, {replacing[0], replacing[1], replaced_by[0]}), UserError,
                "--erp 0.3: ode.erp says the same as ode.kp and ode.kd; give one pair or the other");
   CHECK_THROWS(read(spring + "erp = 0.2\n"), UserError, "x.toml: ode.erp = 0.2: says the same as ode.kp and ode.kd");
