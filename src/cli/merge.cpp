@@ -96,7 +96,14 @@ int merge(const Options& options) {
   head.shard = {};
   Journal whole(journal_file(options.out, head.scenario), head);
   for (long run = 0; run < whole.runs(); ++run) {
-    if (!whole.has(run)) whole.append(run, sources[static_cast<std::size_t>(run)]->journal->row(run));
+    const Part& source = *sources[static_cast<std::size_t>(run)];
+    const sweep::Row row = source.journal->row(run);
+    if (!whole.has(run)) {
+      whole.append(run, row);
+    } else if (!whole.row(run).same_as(row)) {
+      throw UserError(fmt::format("--out {}: has run {} from before, and {} contradicts it; give another folder",
+                                  options.out, run, source.folder));
+    }
   }
   whole.sync();
   return answer(whole, options.out, options.answer);

@@ -3,9 +3,11 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iostream>
 #include <limits>
+#include <optional>
 
 #include "catalogue/accuracy.hpp"
 #include "catalogue/timing.hpp"
@@ -41,7 +43,8 @@ constexpr double finer = 0.85;
 struct Candidate {
   const catalogue::Method* method = nullptr;
   Start start = Start::as_given;
-  double setting = 0;  // of its knob
+  double setting = 0;                // of its knob
+  std::optional<double> sample_s{};  // where the scenario says which rows it wants: every step counts
   std::unique_ptr<catalogue::Evaluator> evaluator{};
   double error = std::numeric_limits<double>::infinity();
   double doubt = 0;
@@ -67,9 +70,11 @@ std::string command_of(const Candidate& candidate, const Options& options) {
     case catalogue::Knob::none:
       break;
   }
+  if (candidate.sample_s) command += " --sample " + number_text(*candidate.sample_s);
   if (candidate.start == Start::half_step) command += " --start half-step";
   for (const Override& setting : options.settings.overrides()) {
-    if (setting.key == "step" || setting.key == "duration" || setting.key == "rtol" || setting.key == "atol") continue;
+    constexpr std::array searched{"step", "duration", "rtol", "atol", "sample"};
+    if (std::ranges::find(searched, setting.key) != searched.end()) continue;
     command += setting.origin == "--set" ? fmt::format(" --set '{}={}'", setting.key, setting.value)
                                          : fmt::format(" {} {}", setting.origin, setting.value);
   }
@@ -124,6 +129,7 @@ class Search {
       case catalogue::Knob::none:
         break;
     }
+    if (scenario.sample_s) scenario.sample_s = candidate.sample_s = scenario.step_s;
     candidate.evaluator = std::make_unique<catalogue::Evaluator>(std::move(scenario));
     const catalogue::Evaluation done = candidate.evaluator->evaluate(*candidate.method);
     const SampleGrid& rows = candidate.evaluator->grid();

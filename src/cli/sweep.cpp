@@ -117,8 +117,9 @@ void remove_parts(const fs::path& journal) {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(journal.parent_path(), ignored)) {
     const std::string name = entry.path().filename().string();
-    const bool ours = name.starts_with(begin + ".csv.") || name.starts_with(begin + "-");
-    if (ours && name.ends_with(".part")) fs::remove(entry.path(), ignored);
+    for (const char* table : {".csv.", "-timing.csv.", "-front.csv.", "-front.png."}) {
+      if (name.starts_with(begin + table) && name.ends_with(".part")) fs::remove(entry.path(), ignored);
+    }
   }
 }
 

@@ -27,6 +27,9 @@ constexpr int most_ends_from_outside = 20;
 
 constexpr double longest_wait_s = 0.5;
 
+// Who has not looked for so long was stopped (Ctrl-Z, a scheduler), and the workers with it.
+constexpr double longest_turn_s = 2 * longest_wait_s;
+
 // What a worker has at hand, so that it need not wait until this process gets its turn: no more, since what stands
 // behind a task is kept from the other workers.
 constexpr double at_hand_s = 0.05;
@@ -211,7 +214,10 @@ class Sweep {
 
   void end_the_late() {
     const double now = steady_seconds();
+    const double turn = now - looked_at_s_;
+    looked_at_s_ = now;
     for (auto& worker : workers_) {
+      if (turn > longest_turn_s) worker->excuse(turn);
       if (!worker->busy() || now < worker->begun_at_s() + options_.timeout_s) continue;
       std::deque<Task> tasks = worker->tasks();
       const Task task = tasks.front();
@@ -270,6 +276,7 @@ class Sweep {
   std::vector<int> free_places_;
   std::map<long, int> ends_from_outside_;
   std::vector<pollfd> waits_;
+  double looked_at_s_ = steady_seconds();  // for the late
   std::vector<WorkerPlace> workers_;
 };
 

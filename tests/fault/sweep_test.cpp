@@ -81,13 +81,13 @@ std::uintmax_t size_of(const fs::path& file) {
 }
 
 /// A sweep in a process of its own; its exit status is that of the program.
-pid_t start_sweep(const fs::path& file, long count, const Work& work, int jobs = 2) {
+pid_t start_sweep(const fs::path& file, long count, const Work& work, int jobs = 2, double timeout_s = 60) {
   const pid_t child = ::fork();
   if (child != 0) return child;
   try {
     Journal journal(file, head_of_runs(count));
     const auto groups = groups_of(count);
-    const int signal = run_sweep(work, groups, journal, {jobs, 60, {}});
+    const int signal = run_sweep(work, groups, journal, {jobs, timeout_s, {}});
     ::_exit(signal == 0 ? 0 : 128 + signal);
   } catch (const std::exception&) {
     ::_exit(3);
@@ -193,6 +193,30 @@ void stopped(const fs::path& file, int signal) {
   }
   CHECK_EQUAL(wait_for(start_sweep(file, count, good_work())), 0);
   check_rows(file, count, undisturbed);
+}
+
+void work_for(double cpu_s) {
+  const std::clock_t begin = std::clock();
+  while (static_cast<double>(std::clock() - begin) < cpu_s * CLOCKS_PER_SEC) {
+  }
+}
+
+// All of a sweep stopped (Ctrl-Z) for longer than the timeout: none of its runs took that long.
+void stopped_and_continued(const fs::path& file) {
+  const Work work{good_preparation, [](long run, long group, std::string_view prepared) {
+                    work_for(0.2);
+                    return good_run(run, group, prepared);
+                  }};
+  const pid_t parent = start_sweep(file, 3, work, 1, 2);
+  wait_for_growth(file, head_line(head_of_runs(3)).size() + 1, parent);
+  const std::vector<pid_t> workers = children_of(parent);
+  ::kill(parent, SIGSTOP);
+  for (const pid_t worker : workers) ::kill(worker, SIGSTOP);
+  pause(2500000);
+  ::kill(parent, SIGCONT);
+  for (const pid_t worker : workers) ::kill(worker, SIGCONT);
+  CHECK_EQUAL(wait_for(parent), 0);
+  check_rows(file, 3, undisturbed);
 }
 
 constexpr long faulty_runs = 60;
@@ -372,6 +396,7 @@ int main() {
   workers_killed(file("workers"));
   stopped(file("interrupted"), SIGINT);
   stopped(file("terminated"), SIGTERM);
+  stopped_and_continued(file("continued"));
   disk_full(file("full"));
   two_at_once(file("twice"));
   parent_killed(file("parent"));
