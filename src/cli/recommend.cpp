@@ -4,7 +4,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
+#include <cstring>
 #include <iostream>
 #include <limits>
 #include <optional>
@@ -35,9 +37,12 @@ struct Options {
 
 constexpr long most_steps_of_a_search = 1'000'000;
 constexpr int timed_rounds = 5;
-// A first-order method whose error between the rows of the search is a little larger needs one or two more of these.
-constexpr int most_attempts = 12;
-constexpr double finer = 0.85;
+// From the setting that keeps the error at the rows of the search to the one that keeps all of the budget at every
+// step: a little finer or much, but no more than so much at a time.
+constexpr int most_attempts = 24;
+constexpr double finer = 0.93;
+constexpr double farthest = 0.125;
+constexpr double helps = 0.98;  // an excess that falls by less is no matter of the setting
 
 /// A method with settings that were tried, as `odeval run` would do it.
 struct Candidate {
@@ -55,10 +60,27 @@ struct Candidate {
   double mad_s = 0;
 };
 
+// Settings that the search chooses; a start that was asked for is kept.
+constexpr std::array searched{"step", "duration", "rtol", "atol", "sample", "ode.start"};
+
+bool start_is_asked_for(const Options& options) {
+  return std::ranges::any_of(options.settings.overrides(),
+                             [](const Override& setting) { return setting.key == "ode.start"; });
+}
+
+/// As a shell takes it for one word.
+std::string in_shell(const std::string& word) {
+  const auto plain = [](unsigned char letter) { return std::isalnum(letter) || std::strchr("_./=+-:,@%", letter); };
+  if (!word.empty() && std::ranges::all_of(word, plain)) return word;
+  std::string quoted = "'";
+  for (const char letter : word) quoted += letter == '\'' ? "'\\''" : std::string(1, letter);
+  return quoted + "'";
+}
+
 /// What has to be typed for that run.
 std::string command_of(const Candidate& candidate, const Options& options) {
-  std::string command = fmt::format("odeval run {} --method {} --duration {}", options.scenario, candidate.method->name,
-                                    number_text(options.until));
+  std::string command = fmt::format("odeval run {} --method {} --duration {}", in_shell(options.scenario),
+                                    candidate.method->name, number_text(options.until));
   switch (catalogue::knob_of(*candidate.method)) {
     case catalogue::Knob::step:
       command += " --step " + number_text(candidate.setting);
@@ -71,12 +93,15 @@ std::string command_of(const Candidate& candidate, const Options& options) {
       break;
   }
   if (candidate.sample_s) command += " --sample " + number_text(*candidate.sample_s);
-  if (candidate.start == Start::half_step) command += " --start half-step";
+  if (candidate.start == Start::half_step) {
+    command += " --start half-step";
+  } else if (start_is_asked_for(options)) {
+    command += " --start as-given";
+  }
   for (const Override& setting : options.settings.overrides()) {
-    constexpr std::array searched{"step", "duration", "rtol", "atol", "sample"};
     if (std::ranges::find(searched, setting.key) != searched.end()) continue;
-    command += setting.origin == "--set" ? fmt::format(" --set '{}={}'", setting.key, setting.value)
-                                         : fmt::format(" {} {}", setting.origin, setting.value);
+    command += setting.origin == "--set" ? " --set " + in_shell(setting.key + "=" + setting.value)
+                                         : " " + setting.origin + " " + in_shell(setting.value);
   }
   return command;
 }
@@ -103,14 +128,24 @@ class Search {
     }
     // The search looked at rows 0.05 s apart; what counts is the run as the user will have it.
     candidate.setting = found.trial.setting;
-    for (int attempt = 0;; ++attempt) {
+    double excess_before = std::numeric_limits<double>::infinity();
+    for (int attempt = 0; attempt < most_attempts; ++attempt) {
       run(candidate, scenario);
       if (keeps(candidate)) return candidate;
-      if (attempt == most_attempts || catalogue::knob_of(method) == catalogue::Knob::none) break;
-      candidate.setting *= attempt < most_attempts / 2 ? finer : finer * finer * finer;
+      const double excess = excess_of(candidate);
+      const double factor = finer_by(method, excess);
+      if (factor == 1 || !(excess < helps * excess_before)) break;
+      if (catalogue::knob_of(method) == catalogue::Knob::step &&
+          options_.until / (candidate.setting * factor) > static_cast<double>(most_steps_of_a_search)) {
+        candidate.why_not = fmt::format(" in up to {} steps", most_steps_of_a_search);
+        break;
+      }
+      candidate.setting *= factor;
+      excess_before = excess;
     }
-    candidate.why_not = candidate.error + candidate.doubt > options_.max_error ? "the error between the rows is larger"
-                                                                               : "the energy drifts more";
+    candidate.why_not = (candidate.error + candidate.doubt > options_.max_error ? "the error between the rows is larger"
+                                                                                : "the energy drifts more") +
+                        candidate.why_not;
     return candidate;
   }
 
@@ -142,6 +177,25 @@ class Search {
 
   bool keeps(const Candidate& candidate) const {
     return candidate.error + candidate.doubt <= options_.max_error && candidate.drift <= options_.max_energy_drift;
+  }
+
+  /// How many times the budget.
+  double excess_of(const Candidate& candidate) const {
+    return std::max((candidate.error + candidate.doubt) / options_.max_error,
+                    candidate.drift / options_.max_energy_drift);
+  }
+
+  /// What to multiply the setting by, going by the method's order; 1 where it has none.
+  static double finer_by(const catalogue::Method& method, double excess) {
+    switch (catalogue::knob_of(method)) {
+      case catalogue::Knob::step:
+        return std::clamp(finer * std::pow(excess, -1.0 / method.order), farthest, finer);
+      case catalogue::Knob::rtol:
+        return std::clamp(finer / excess, farthest, finer);
+      case catalogue::Knob::none:
+        break;
+    }
+    return 1;
   }
 
   const Options& options_;
@@ -189,6 +243,12 @@ std::string table_csv(const std::vector<Candidate>& candidates, const Options& o
 }
 
 int recommend(const Options& options) {
+  for (const Override& setting : options.settings.overrides()) {
+    if (setting.key != "ode.start" && std::ranges::find(searched, setting.key) != searched.end()) {
+      throw UserError((setting.origin == "--set" ? "--set " + setting.key + "=" : setting.origin + " ") +
+                      setting.value + ": is what 'odeval recommend' chooses; leave it out");
+    }
+  }
   const Scenario scenario = options.settings.read(options.scenario);
   if (scenario.family() != Family::pendulum) {
     throw UserError(options.scenario + ": errors are looked for in angles, and problem '" +
@@ -209,7 +269,8 @@ int recommend(const Options& options) {
     for (const catalogue::Method* method : methods) {
       progress.next(scenario.name + " " + std::string(method->name));
       candidates.push_back(search.cheapest(*method, scenario.ode.start));
-      if (method->settings == catalogue::Settings::ode && scenario.ode.start != Start::half_step) {
+      if (method->settings == catalogue::Settings::ode && !start_is_asked_for(options) &&
+          scenario.ode.start != Start::half_step) {
         candidates.push_back(search.cheapest(*method, Start::half_step));
       }
     }

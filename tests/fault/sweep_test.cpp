@@ -308,6 +308,28 @@ void bad_preparations(const fs::path& file) {
   });
 }
 
+// A run that was given up is done again when it gets more time, and only then; what went well is not.
+void more_time(const fs::path& file) {
+  constexpr long count = 12;
+  const auto sweep_with = [&](double timeout_s, double run_s) {
+    const Work work{good_preparation, [run_s](long run, long group, std::string_view prepared) {
+                      if (run == 5) work_for(run_s);
+                      return good_run(run, group, prepared);
+                    }};
+    Journal journal(file, head_of_runs(count));
+    const auto groups = groups_of(count);
+    CHECK_EQUAL(run_sweep(work, groups, journal, {2, timeout_s, {}}), 0);
+    return journal.rows(Status::timeout);
+  };
+  CHECK_EQUAL(sweep_with(0.3, 20), 1);
+  CHECK_EQUAL(sweep_with(0.3, 0), 1);
+  CHECK_EQUAL(sweep_with(0.2, 0), 1);
+  CHECK_EQUAL(sweep_with(0.5, 20), 1);
+  CHECK(Journal(file).row(5).same_as({Status::timeout, "took longer than 0.5 s", 0, ""}));
+  CHECK_EQUAL(sweep_with(60, 0), 0);
+  check_rows(file, count, undisturbed);
+}
+
 // What an earlier run did to its worker is not the next one's fault.
 void poisoned_worker(const fs::path& file) {
   static bool poisoned = false;  // of the worker
@@ -391,6 +413,7 @@ int main() {
   const auto file = [&](const char* part) { return folder / part / "test.journal"; };
   bad_runs(folder);
   bad_preparations(file("preparations"));
+  more_time(file("more_time"));
   poisoned_worker(file("poisoned"));
   refused(file("refused"));
   workers_killed(file("workers"));
