@@ -177,7 +177,7 @@ Action attach_sweep(CLI::App& app) {
   app.add_option("--jobs", options->jobs, "runs at a time; default: one a core")
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
-  app.add_option("--shard", options->shard, "only every N-th run, from the I-th on; 'odeval merge' joins them")
+  app.add_option("--shard", options->shard, "only the I-th of N parts of the runs; 'odeval merge' joins them")
       ->type_name("I/N");
   app.add_option("--timeout", options->timeout_s, "seconds after which a run is given up")
       ->type_name("S")

@@ -20,6 +20,13 @@
 #include "odeval/error.hpp"
 #include "tests/check.hpp"
 
+// In the place of the C library's.
+static int syncs = 0;
+extern "C" int fdatasync(int descriptor) {
+  ++syncs;
+  return ::fsync(descriptor);
+}
+
 namespace {
 
 using namespace odeval;
@@ -340,6 +347,23 @@ void refused(const fs::path& file) {
   all_are_gone();
 }
 
+// What a power failure may cost is a second or so, however long the next row takes.
+void synced_in_time(const fs::path& file) {
+  const Work work{good_preparation, [](long run, long group, std::string_view prepared) {
+                    if (run == 1) pause(2500000);
+                    return good_run(run, group, prepared);
+                  }};
+  Journal journal(file, head_of_runs(2));
+  const auto groups = groups_of(2);
+  syncs = 0;
+  int syncs_of_first = 0;
+  const auto passed = [&](const Journal& now) {
+    if (now.rows() == 1) syncs_of_first = syncs;
+  };
+  CHECK_EQUAL(run_sweep(work, groups, journal, {1, 60, passed}), 0);
+  CHECK_EQUAL(syncs_of_first, 1);
+}
+
 // A limit on the size of files stands for a full disk: at every size the journal ends with a whole line, and then goes
 // on.
 void disk_full(const fs::path& file) {
@@ -397,6 +421,7 @@ int main() {
   stopped(file("interrupted"), SIGINT);
   stopped(file("terminated"), SIGTERM);
   stopped_and_continued(file("continued"));
+  synced_in_time(file("synced"));
   disk_full(file("full"));
   two_at_once(file("twice"));
   parent_killed(file("parent"));
