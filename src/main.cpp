@@ -1,4 +1,5 @@
 // The program: reads the command line, does it, and turns what went wrong into one line and an exit status.
+#include <csignal>
 #include <exception>
 #include <iostream>
 #include <new>
@@ -7,6 +8,7 @@
 #include "odeval/error.hpp"
 
 int main(int argc, char** argv) try {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may grow no further is an error like a full disk
   odeval::cli::CommandLine line;
   const int status = line.read({argv + 1, argv + argc})();
   if (!std::cout.flush()) throw odeval::MachineError("standard output cannot be written");

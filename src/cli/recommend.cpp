@@ -17,6 +17,7 @@
 #include "cli/progress.hpp"
 #include "cli/settings.hpp"
 #include "odeval/error.hpp"
+#include "output/csv_cell.hpp"
 #include "output/file.hpp"
 #include "output/number.hpp"
 #include "output/table.hpp"
@@ -231,13 +232,13 @@ std::string table_csv(const std::vector<Candidate>& candidates, const Options& o
       "command\n";
   for (const Candidate& candidate : candidates) {
     const bool keeps = candidate.why_not.empty();
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},\"{}\"\n", candidate.method->name,
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", candidate.method->name,
                         candidate.start == Start::half_step ? "half-step" : "as-given",
                         knob_name(catalogue::knob_of(*candidate.method)), number_text(candidate.setting),
                         number_text(candidate.error), number_text(candidate.doubt), number_text(candidate.drift),
                         candidate.steps, keeps ? number_text(candidate.median_s) : "",
                         keeps ? number_text(candidate.mad_s) : "", keeps ? 1 : 0, candidate.why_not,
-                        command_of(candidate, options));
+                        csv_cell(command_of(candidate, options)));
   }
   return text;
 }

@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <csignal>
 #include <cstring>
 #include <iostream>
 
@@ -140,7 +139,6 @@ int sweep_grid(const Options& options) {
     });
   }
 
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that may grow no further is an error like a full disk
   const fs::path place = journal_file(options.out, base.name);
   sweep::Journal journal(place, head);
   remove_parts(place);
@@ -178,7 +176,7 @@ Action attach_sweep(CLI::App& app) {
   app.add_option("--jobs", options->jobs, "runs at a time; default: one a core")
       ->type_name("N")
       ->check(whole_within(1, 1024));
-  app.add_option("--shard", options->shard, "only every N-th run, from the I-th on; 'odeval merge' joins them")
+  app.add_option("--shard", options->shard, "only the I-th of N parts of the runs; 'odeval merge' joins them")
       ->type_name("I/N");
   app.add_option("--timeout", options->timeout_s, "seconds after which a run is given up")
       ->type_name("S")

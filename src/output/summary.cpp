@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "odeval/metrics.hpp"
+#include "output/csv_cell.hpp"
 #include "output/json_number.hpp"
 #include "output/number.hpp"
 
@@ -139,17 +140,6 @@ Json errors_at(const std::vector<Metrics>& error_at, Family family) {
 
 std::string cell(const std::optional<double>& number) { return number ? number_text(*number) : ""; }
 
-/// Quoted where a comma, a quote or a line break would break the row.
-std::string cell(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char letter : text) {
-    if (letter == '"') quoted += '"';
-    quoted += letter == '\n' || letter == '\r' ? ' ' : letter;
-  }
-  return quoted + '"';
-}
-
 const Metrics* metrics_at(const RunSummary& run, double time) {
   for (const Metrics& metrics : run.error_at) {
     if (metrics.until_s == time) return &metrics;
@@ -205,9 +195,9 @@ std::string summary_csv(const std::vector<RunSummary>& runs) {
 
   for (const RunSummary& run : runs) {
     const Outcome& outcome = run.outcome;
-    text += fmt::format("{},{},{},{},{},{},{},{},{}", cell(run.scenario.name), cell(run.method), run.is_reference,
-                        number_text(run.grid.step_s), number_text(run.grid.time(run.grid.rows - 1)), outcome.steps,
-                        outcome.evaluations, outcome.diverged, cell(outcome.reason));
+    text += fmt::format("{},{},{},{},{},{},{},{},{}", csv_cell(run.scenario.name), csv_cell(run.method),
+                        run.is_reference, number_text(run.grid.step_s), number_text(run.grid.time(run.grid.rows - 1)),
+                        outcome.steps, outcome.evaluations, outcome.diverged, csv_cell(outcome.reason));
     for (const MetricRow& row : metric_table()) text += ',' + cell(row.value(run.metrics));
     for (const double time : error_times) {
       const Metrics* at = metrics_at(run, time);

@@ -5,23 +5,10 @@
 #include <charconv>
 #include <limits>
 
+#include "output/csv_cell.hpp"
 #include "output/number.hpp"
 
 namespace odeval {
-namespace {
-
-/// On one line, and quoted where a comma or a quote would break the row.
-std::string cell(std::string_view text) {
-  std::string quoted;
-  for (const char letter : text) {
-    if (letter == '"') quoted += '"';
-    quoted += letter == '\n' || letter == '\r' ? ' ' : letter;
-  }
-  return text.find_first_of(",\"") == std::string_view::npos ? quoted : '"' + quoted + '"';
-}
-
-}  // namespace
-
 std::vector<std::string> result_columns() {
   std::vector<std::string> columns{"steps", "evaluations", "messages"};
   for (const MetricRow& row : metric_table()) columns.emplace_back(row.name);
@@ -39,7 +26,7 @@ std::string result_cells(const Outcome& outcome, const Metrics& metrics) {
 
 std::string sweep_header(std::span<const std::string> keys, std::span<const std::string> columns) {
   std::string line = "run";
-  for (const std::string& key : keys) line += ',' + cell(key);
+  for (const std::string& key : keys) line += ',' + csv_cell(key);
   line += ",status,reason";
   for (const std::string& column : columns) line += ',' + column;
   return line + '\n';
@@ -48,8 +35,8 @@ std::string sweep_header(std::span<const std::string> keys, std::span<const std:
 std::string sweep_line(long run, std::span<const std::string> values, std::string_view status,
                        const std::string& reason, const std::string& cells, std::size_t columns) {
   std::string line = std::to_string(run);
-  for (const std::string& value : values) line += ',' + cell(value);
-  line += fmt::format(",{},{},", status, cell(reason));
+  for (const std::string& value : values) line += ',' + csv_cell(value);
+  line += fmt::format(",{},{},", status, csv_cell(reason));
   return line + (cells.empty() ? std::string(columns - 1, ',') : cells) + '\n';
 }
 

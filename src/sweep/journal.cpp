@@ -373,8 +373,14 @@ void Journal::append(long run, const Row& row) {
   const std::uint64_t offset = size_;
   append_line(row_line(seed_, run, row));
   note(run, offset, row);
-  if (unsynced_++ == 0) synced_at_s_ = steady_seconds();
-  if (unsynced_ >= most_unsynced || steady_seconds() - synced_at_s_ >= longest_unsynced_s) sync();
+  if (unsynced_++ == 0) unsynced_since_s_ = steady_seconds();
+  sync_in_time();
+}
+
+void Journal::sync_in_time() {
+  if (unsynced_ >= most_unsynced || (unsynced_ > 0 && steady_seconds() - unsynced_since_s_ >= longest_unsynced_s)) {
+    sync();
+  }
 }
 
 void Journal::sync() {

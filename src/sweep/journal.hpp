@@ -98,9 +98,12 @@ class Journal {
   /// Of a run that it has.
   Row row(long run) const;
 
-  /// A whole line or none; a run that was given up may come again, given more time. It is safe from a power failure after the next `sync`, which comes by itself at times.
+  /// A whole line or none; a run that was given up may come again, given more time. It is safe from a power failure
+  /// after the next `sync`.
   void append(long run, const Row& row);
   void sync();
+  /// Where much is not safe yet, or for a second: `append` looks, and who waits long for the next row does.
+  void sync_in_time();
 
  private:
   void open(int flags, short lock);
@@ -120,7 +123,7 @@ class Journal {
   long damaged_ = 0;
   std::uint64_t size_ = 0;  // of the whole lines
   long unsynced_ = 0;
-  double synced_at_s_ = 0;
+  double unsynced_since_s_ = 0;
 };
 
 /// Seconds that go on whatever anybody does to the clock.

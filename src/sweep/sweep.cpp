@@ -171,6 +171,7 @@ class Sweep {
     if (::poll(waits_.data(), waits_.size(), static_cast<int>(left_ms)) < 0 && errno != EINTR) {
       throw MachineError(std::string("sweep: cannot wait: ") + std::strerror(errno));
     }
+    journal_.sync_in_time();
     if (options_.passed) options_.passed(journal_);
   }
 

@@ -11,7 +11,7 @@ namespace odeval::sweep {
 struct SweepOptions {
   int jobs = 1;
   double timeout_s = 3600;                     // of one run, or of what a group shares
-  std::function<void(const Journal&)> passed;  // called after each row, and now and then
+  std::function<void(const Journal&)> passed;  // called after rows have come, and at least twice a second
 };
 
 /// Runs those of the journal's shard that it lacks, and writes each row as it comes. `groups` has the group of every

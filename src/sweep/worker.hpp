@@ -77,7 +77,6 @@ class Worker {
   Worker& operator=(const Worker&) = delete;
 
   int descriptor() const { return descriptor_; }  // readable when there is an answer or an end
-  pid_t process() const { return process_; }
   bool busy() const { return !tasks_.empty(); }
   /// Given and not answered, in the order in which they are done: the first is under way.
   const std::deque<Task>& tasks() const { return tasks_; }

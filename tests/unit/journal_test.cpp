@@ -8,6 +8,14 @@
 #include "odeval/error.hpp"
 #include "tests/check.hpp"
 
+// In the place of the C library's: how often the journal was brought to the disk, and whether that went well.
+static int syncs = 0;
+static int answer_of_sync = 0;
+extern "C" int fdatasync(int) {
+  ++syncs;
+  return answer_of_sync;
+}
+
 namespace {
 
 using namespace odeval;
@@ -125,6 +133,21 @@ void doubled(const fs::path& file) {
   CHECK_EQUAL(Journal(file, head()).damaged(), 1);
 }
 
+// When it begins, and then in batches; that it failed is said.
+void synced(const fs::path& file) {
+  Head many{"pendulum", {}, {{"x", {}}, {"method", {"a"}}}, {"steps"}, "", ""};
+  for (long run = 0; run < 3000; ++run) many.axes[0].values.push_back(std::to_string(run));
+  fs::remove(file);
+  syncs = 0;
+  Journal journal(file, many);
+  CHECK_EQUAL(syncs, 1);
+  for (long run = 0; run < 2999; ++run) journal.append(run, {Status::ok, "", 1, "1"});
+  CHECK_BETWEEN(syncs, 3, 30);
+  answer_of_sync = -1;
+  CHECK_THROWS(journal.sync(), MachineError, "pendulum.journal: cannot be written");
+  answer_of_sync = 0;
+}
+
 }  // namespace
 
 int main() {
@@ -137,6 +160,7 @@ int main() {
   flipped_at_every_byte(file);
   anothers(file);
   doubled(file);
+  synced(file);
   CHECK_THROWS(Journal("/dev/full", head()), MachineError, "no regular file");
   fs::remove_all(name);
   return odeval::test::verdict();
