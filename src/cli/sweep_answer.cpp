@@ -52,6 +52,7 @@ class ErrorOf {
     if (!doubt_) return std::nullopt;
     return number_in(row.cells, *doubt_);
   }
+  bool told(const Row& row) const { return value(row) > doubt(row).value_or(-1); }
   /// What the error is no larger than. Errors below what the reference knows are not told apart.
   double bound(const Row& row) const {
     const double known_to = doubt(row).value_or(0);
@@ -91,7 +92,7 @@ std::vector<Point> write_tables(const Journal& journal, const fs::path& stem, co
         sweep_line(run, grid.values(run), sweep::status_name(row.status), row.reason, row.cells, head.columns.size()));
     const double cpu_s = 1e-6 * static_cast<double>(row.cpu_us);
     timing.write(fmt::format("{},{}\n", run, row.status == Status::timeout ? "" : number_text(cpu_s)));
-    if (row.status == Status::ok) points.push_back({run, cpu_s, error.bound(row)});
+    if (row.status == Status::ok) points.push_back({run, cpu_s, error.bound(row), error.told(row)});
   }
   table.finish();
   timing.finish();

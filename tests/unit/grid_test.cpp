@@ -99,6 +99,9 @@ void fronts() {
   CHECK_EQUAL(runs({{0, 3, 1}, {1, 1, 3}, {2, 2, 2}, {3, 2.5, 2.5}}), "1 2 0 ");
   CHECK_EQUAL(runs({{0, 1, 1}, {1, 1, 1}, {2, 1, 2}, {3, 2, 1}}), "0 ");
   CHECK_EQUAL(runs({{0, 1, nan}, {1, 2, inf}, {2, 3, 0}}), "2 ");
+  // Beyond what the references know nothing is bought but a better reference.
+  CHECK_EQUAL(runs({{0, 1, 1e-3}, {1, 2, 1e-9, false}, {2, 3, 0.9e-9, false}, {3, 4, 0.8e-9}}), "0 1 3 ");
+  CHECK_EQUAL(runs({{0, 1, 1e-3, false}, {1, 2, 1e-9, false}}), "0 1 ");
 }
 
 }  // namespace
