@@ -132,7 +132,7 @@ Section free_box(Laboratory& laboratory, Findings& findings) {
       "of second "
       "order. Tumbling is of first order, and is lost after some 3 s at each of these steps: the body flips at "
       "another time. Single precision adds what rounding of each position and speed comes to: a few centimetres after "
-      "some 300 m, more with a smaller step.",
+      "some 400 m, more with a smaller step.",
       shown(off_the_law))});
   report::Figure figure{
       "free-box-errors",
