@@ -84,7 +84,7 @@ constexpr std::array table{
     Claim{"C3", "§3.5.2", "The error grows with the number of states, and Cartesian coordinates are worse conditioned than generalized ones.", c3_confirmed, c3_refuted,
           "The system is worse conditioned and the motion better: what counts is the scheme, and in Cartesian coordinates the feedback that keeps the joints closed. Leave ERP on.", "coordinates"},
     Claim{"C4", "§3.5.3", "In single precision, long thin bodies spin up about their long axis.", c4_confirmed, c4_refuted,
-          "The inertia survives; it is ODE's gyroscopic term that loses the digits, long before the moments differ by 1e7. Use double precision, or leave the term out (dBodySetGyroscopicMode). A long body that does spin about its length loses that spin to the term in either precision.", "thin-body"},
+          "The inertia survives; it is ODE's gyroscopic term that loses the digits, long before the moments differ by 1e7. Use double precision, or leave the term out (dBodySetGyroscopicMode). A long body that does spin about its length loses that spin to the term, in double precision as well.", "thin-body"},
     Claim{"C5", "§3.4.1", "A positive CFM takes the system matrix away from singularity.", c5_confirmed, c5_refuted,
           "Where joints say the same thing twice, CFM is what makes the system solvable. Elsewhere it buys nothing in double precision, and heavy parts sag.", "conditioning"},
     Claim{"C6", "§3.4.2", "ERP = h kp / (h kp + kd) and CFM = 1 / (h kp + kd) make a joint a spring and damper.", c6_confirmed, c6_refuted,
