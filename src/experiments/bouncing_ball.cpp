@@ -246,9 +246,8 @@ void ladder(const Scenario& grid, Section& section, Findings& findings) {
   figure.panels = {std::move(panel)};
   figure.caption =
       "Restitution 1: the energy at t = 0 is what every step should show. What a step shows in flight is off by up to "
-      "h m g v / 2 and comes back; below 1 ms the CFM of 1e-10 takes more than that away, c = CFM m / h of the speed "
-      "twice an "
-      "impact, so that a smaller step makes it worse.";
+      "h m g v / 2 and comes back; what the CFM of 1e-10 takes away, c = CFM m / h of the speed twice an impact, does "
+      "not. Below some 0.2 ms that is the more of the two, and a smaller step makes it worse.";
   section.blocks.emplace_back(std::move(figure));
   section.blocks.emplace_back(std::move(table));
 }

@@ -93,7 +93,7 @@ std::vector<Part> parts_of(Evaluator& evaluator) {
   return {{"all of it", "dWorldStep against the reference", error_until(evaluator, whole, until_s)},
           {"time discretisation", "twice the change when the step is halved: the part of first order",
            2 * apart(fine.trace, whole.trace)},
-          {"the same scheme in generalized coordinates", "symplectic Euler against the reference",
+          {"no extra degrees of freedom", "symplectic Euler in generalized coordinates against the reference",
            error_until(evaluator, generalized, until_s)},
           {"feedback of joint errors", "ERP 1 instead of the file's", changed([](OdeSettings& ode) { ode.erp = 1; })},
           {"joint drift", "ERP 0 instead of the file's: nothing holds the joints together",
@@ -143,7 +143,8 @@ Section error_sources(Laboratory& laboratory, Findings& findings) {
       "The report names integration, extra degrees of freedom, precision and ERP and CFM as sources of error. Each is "
       "measured here by changing it alone and looking how far the angles move. Parts do not add up to the whole: they "
       "have signs, and some undo others. The report expected extra degrees of freedom to cost accuracy; the error of "
-      "the same scheme in generalized coordinates, which has none, is {} times ODE's on the double pendulum and {} "
+      "symplectic Euler in generalized coordinates, of the same order and without any, is {} times ODE's on the double "
+      "pendulum and {} "
       "times on the chain.",
       without_joints(0), without_joints(1))});
   for (std::size_t s = 0; s < 2; ++s) {

@@ -15,7 +15,7 @@ using catalogue::Evaluator;
 using report::Cell;
 
 constexpr double steps_s[] = {1e-4, 5e-4, 1e-3};
-constexpr double early_s = 1;  // the tumbling of a first-order run is lost after 3 s
+constexpr double early_s = 1;  // the tumbling of a first-order run is lost after 2 s
 constexpr double spacing_s = 1e-2;
 constexpr const char* measured_methods[] = {"ode-step-double",      "ode-step-single", "ode-quickstep-double",
                                             "ode-quickstep-single", "ode-rk4-double",  "lagrange-cvode"};
@@ -130,9 +130,9 @@ Section free_box(Laboratory& laboratory, Findings& findings) {
       "about a principal axis; in the other it falls and tumbles, since it spins near its middle axis. Semi-implicit "
       "Euler falls too far by g h T / 2: measured, to {} m. The simple case turns by 2 atan(w h / 2) a step, which is "
       "of second "
-      "order. Tumbling is of first order, and is lost after some 3 s at each of these steps: the body flips at "
+      "order. Tumbling is of first order, and is lost after some 2 s at each of these steps: the body flips at "
       "another time. Single precision adds what rounding of each position and speed comes to: a few centimetres after "
-      "some 300 m, more with a smaller step.",
+      "some 400 m, more with a smaller step.",
       shown(off_the_law))});
   report::Figure figure{
       "free-box-errors",

@@ -292,7 +292,7 @@ Section half_step(Laboratory& laboratory, Findings& findings) {
       "of "
       "t = 0 by the Coriolis terms too, but these are there because the links turn, and ODE turns them itself when it "
       "takes old velocities through the hinges of a new pose. Two links that start at speed tell the difference: with "
-      "the joint rates of t = -h/2 they keep an error of first order (1.05 ± 0.03 was measured), with the weights "
+      "the joint rates of t = -h/2 they keep an error of first order, with the weights "
       "alone "
       "they do not. A start at speed as given is off by more than a shift of time, for the same reason. On a chain of "
       "eight links the start gains less: there the error of second order that the feedback of the joints makes is as "

@@ -127,7 +127,7 @@ Section half_step_erp(Laboratory& laboratory, Findings& findings) {
   gain("O2.gain_chain_fine", {"chain", fine_step_s}, 0);
   figure.caption =
       "The dashed curves are ODE as it is usually started: there the first-order error hides what ERP does, and one "
-      "value of ERP looks like another.";
+      "value from 0.2 on looks much like another, least so on the chain.";
 
   Section section{"half-step-erp", "The best ERP", {}};
   section.blocks.emplace_back(report::Text{

@@ -125,8 +125,8 @@ Section iftomm(Laboratory& laboratory, Findings& findings) {
   section.blocks.emplace_back(report::Text{fmt::format(
       "A point of 1 kg on a bar of 1 m, released from the horizontal, has to stay near the exact motion for {} s: "
       "problem A01 of the IFToMM benchmark library, whose score is the CPU time that this costs. It asks for what a "
-      "short run does not show: that a method's error does not pile up. ODE feeds its joint errors back, which takes "
-      "energy in every swing, so the phase of its swing runs away; a symplectic step keeps it.",
+      "short run does not show: that a method's error does not pile up. ODE's step loses energy in every "
+      "swing, so the phase of its swing runs away; a symplectic step keeps it.",
       scenario.duration_s)});
   section.blocks.emplace_back(std::move(table));
   return section;

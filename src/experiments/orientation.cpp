@@ -120,8 +120,9 @@ Section orientation(Laboratory& laboratory, Findings& findings) {
   section.blocks.emplace_back(report::Figure{"orientation-figure",
                                              "Distance from a rotation, and from the right one",
                                              "All four take the same angular velocities, those of the middle of each "
-                                             "step. What is not brought back to a rotation still points the right way "
-                                             "for long, but no longer keeps lengths.",
+                                             "step. What is not brought back to a rotation no longer keeps lengths; a "
+                                             "matrix still points the right way for long, one made of a quaternion "
+                                             "that is too long does not.",
                                              {std::move(squeeze), std::move(error)},
                                              2});
   section.blocks.emplace_back(std::move(table));

@@ -56,7 +56,9 @@ Section potra(Laboratory& laboratory, Findings& findings) {
       const std::vector<Impact>& impacts = laboratory.run(name, compared[m])->outcome.impacts;
       if (i < impacts.size() && impacts[i].link == impact.link) {
         row.emplace_back(impacts[i].t - impact.t);
-        worst[m] = std::fmax(worst[m], std::fabs(impacts[i].t - impact.t));
+        const double late = std::fabs(impacts[i].t - impact.t);
+        if (!(late <= worst[m]) && !std::isnan(worst[m]))
+          worst[m] = late;  // fmax would forget an impact that is missing
       } else {
         row.emplace_back(Missing{"another ball's, or none"});
         worst[m] = NAN;

@@ -384,17 +384,23 @@ FileComparison compare_files(const std::string& name, const Folder& a, const Fol
   return file;
 }
 
-/// Of the scenario's METHOD.json that the table repeats.
+/// By the scenario's METHOD.json that the table repeats: it may only differ where they do.
 void judge_with_summaries(std::vector<FileComparison>& files) {
   for (FileComparison& file : files) {
     const Place place = place_of(file.file);
     if (place.kind != Kind::summaries || file.sameness != Sameness::within) continue;
     file.why = "says what the METHOD.json beside it say";
+    bool they_differ = false;
     for (const FileComparison& other : files) {
       const Place there = place_of(other.file);
       if (there.kind != Kind::summary || there.scenario != place.scenario) continue;
       if (other.sameness == Sameness::different) file.sameness = Sameness::different;
+      they_differ = they_differ || other.sameness != Sameness::bytes;
     }
+    if (they_differ) continue;
+    file.sameness = Sameness::different;
+    file.why = "other bytes, though the METHOD.json beside it are the same";
+    file.differences.push_back({place.scenario, place.method, "bytes", "", "", "equal"});
   }
 }
 

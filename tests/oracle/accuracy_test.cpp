@@ -129,6 +129,15 @@ void the_reports_pendulum_is_known() {
   CHECK(!catalogue::is_of_table_5_2(other));
 }
 
+/// What stands for a case of Table 5.2 takes its steps; ode45 as many as make the points of 2010.
+void table_5_2_has_the_steps_of_today() {
+  catalogue::Evaluator evaluator(report_pendulum());
+  for (const catalogue::Case2010& then : catalogue::table_5_2) {
+    const long steps = evaluator.evaluate(find_method(then.method)).outcome.steps;
+    CHECK_EQUAL(then.solver == "ode45" ? catalogue::ode45_refine * steps : steps, long{then.steps});
+  }
+}
+
 }  // namespace
 
 int main() {
@@ -138,5 +147,6 @@ int main() {
   what_is_not_reached_is_said();
   timing_takes_turns();
   the_reports_pendulum_is_known();
+  table_5_2_has_the_steps_of_today();
   return test::verdict();
 }

@@ -185,6 +185,8 @@ constexpr Band bands[] = {
     {"C8b.largest_ratio", 220, 270},               // 245, at 2.5e-4 s
     {"C9.distance_ratio", 0.58, 0.604},            // 0.592
     {"C9.ode_parts_at", 3.914, 3.934},             // 3.924 s
+    {"C10.perturbed_parts_at", 3.912, 3.932},      // 3.922 s
+    {"C10.growth_at_6s", 6350, 6610},              // 6477
     {"C11a.after_vertical", 8.81, 8.82},           // 8.8157: one step and the closed form
     {"C11a.after_touch", -0.44, -0.43},            // -0.4346, likewise
     {"C11b.by_settings", 0.1134, 0.1135},  // 0.11343: one step of 8.8157; without feedback the hinge opens by 2 mm
@@ -194,6 +196,7 @@ constexpr Band bands[] = {
     {"O1.order", 1.81, 1.885},             // 1.848
     {"O1.order_at_speed", 1.81, 1.88},     // 1.844; with the joint rates of t = -h/2 it is 1.045
     {"O1.gain_at_speed", 317, 330},        // 323
+    {"O1.shift_at_speed", 1.07, 1.08},     // 1.0755
     {"O1.shift_chain", 0.4629, 0.4697},    // 0.4663
     {"O1.gain_chain", 4.6, 4.8},           // 4.698: feedback of the joints leaves as much again
     {"O1.order_chain", 1.76, 1.83},        // 1.796
@@ -209,6 +212,7 @@ constexpr Band bands[] = {
     {"conditioning.near_singular_digits", 4.09, 4.12},   // 4.10
     {"C15.matrix_drift", 0.793, 0.826},                  // 0.809
     {"C15.quaternion_drift", 1e-16, 1e-14},              // 2e-15: rounding, whatever a compiler makes of it
+    {"C17.growth_ratio", 2720, 3330},                    // 3022
     {"C16.gap_ratio", 4.63, 4.83},                       // 4.73
     {"O2.gain", 4.04, 4.21},                             // 4.126
     {"O2.gain_chain", 6.75, 7.03},                       // 6.90
@@ -225,6 +229,9 @@ constexpr Band bands[] = {
     {"potra.late_steps", 1.6, 1.85},               // 1.720
     {"potra.late_fourth_order", 0, 1e-10},         // 2.7e-11 s
     {"potra.spheres_off_points", 7e-5, 8.5e-5},    // 7.75e-5 s
+    {"C12.smooth_gain", 8.2e5, 1.01e6},            // 9.17e5
+    {"C12.impact_gain", 1e7, 1e8},                 // 2.9e7: at least, as the reference knows no better
+    {"C13.largest_difference", 1e-13, 1e-7},       // 6e-10 rad: what the motion makes of rounding until 5 s
     {"C14.anisotropy", 0.4140, 0.4162},            // 0.41507: sqrt(2) - 1, and half a step at the start
     {"bouncing.restitution_kept", 0.999, 1.001},   // 1 at CFM 1e-10
     {"bouncing.restitution_heavy", 0.771, 0.787},  // 0.7789: (0.7 - 0.1) / 1.1 / 0.7, CFM m / h = 0.1

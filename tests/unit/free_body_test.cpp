@@ -9,6 +9,7 @@
 
 #include "reference/bodies/motion.hpp"
 #include "reference/extrapolation.hpp"
+#include "reference/orientation.hpp"
 #include "reference/quad.hpp"
 #include "tests/check.hpp"
 
@@ -160,6 +161,16 @@ void conserves() {
   }
 }
 
+/// A wrong rate of the quaternion would leave it a unit, and pointing anywhere.
+void a_quaternion_keeps_its_way_to_second_order() {
+  const auto error = [](double step_s) {
+    const auto keeps = odeval::reference::Keeps::quaternion_normalised;
+    return std::ranges::max(odeval::reference::keep_orientation(keeps, {}, step_s, 1, 10).error);
+  };
+  CHECK_BETWEEN(error(1e-3), 0, 1e-3);
+  CHECK_BETWEEN(error(1e-3) / error(5e-4), 3.9, 4.1);
+}
+
 }  // namespace
 
 int main() {
@@ -189,5 +200,6 @@ int main() {
   }
   on_the_separatrix();
   conserves();
+  a_quaternion_keeps_its_way_to_second_order();
   return test::verdict();
 }
