@@ -7,8 +7,6 @@
 namespace odeval::engine_rk4 {
 namespace {
 
-Vector3d vector(const dReal* v) { return {v[0], v[1], v[2]}; }
-
 bool finite_body(const BodyNow& body) {
   return body.pose.position.allFinite() && body.pose.turn.allFinite() && body.twist.linear.allFinite() &&
          body.twist.angular.allFinite();

@@ -10,8 +10,6 @@
 namespace odeval::engine_rk4 {
 namespace {
 
-Vector3d vector(const dReal* v) { return {v[0], v[1], v[2]}; }
-
 std::string name(std::size_t body) { return body == world_body ? "the world" : "body " + std::to_string(body); }
 
 std::string kind(dJointID joint) {

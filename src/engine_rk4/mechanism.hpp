@@ -88,6 +88,9 @@ struct Mechanism {
   std::map<dBodyID, std::size_t> numbers;
 };
 
+/// One of ODE's vectors.
+inline Vector3d vector(const dReal* v) { return {v[0], v[1], v[2]}; }
+
 /// Rotation matrix of a quaternion of any length but 0.
 Matrix3d rotation(const Eigen::Vector4d& turn);
 

@@ -188,10 +188,9 @@ JointErrors Motion::step(const State& from, Forces& forces, double h, State& to)
   }
   std::swap(stage_lambda_, lambda_);
   std::swap(rows_of_stage_, rows_);
-  for (BodyNow& body : to) body.pose.turn.normalize();
   look(to);
   if (!(largest_error().size < small_correction)) factor();  // or the last stage's matrix, near enough, will do
-  return {start_error, finish(to).after};
+  return {start_error, finish(to).after};                    // which makes unit quaternions
 }
 
 JointError Motion::largest_error() const {

@@ -1,5 +1,6 @@
 // Impacts of the accurate step: located, shared by all bodies, several at once, many in one step, rest.
 #include <cstdio>
+#include <stdexcept>
 
 #include "engine_rk4/accurate_step.hpp"
 #include "tests/accurate/worlds.hpp"
@@ -330,6 +331,28 @@ void check_rest_speed() {
   CHECK_NEAR(departs(0), 0.4e-3, 1e-12);
 }
 
+/// A step that fails after something came to rest forgets it: taken again, it is that of a world where none failed.
+void check_failed_step() {
+  const auto second_try = [](bool first_fails) {
+    World world;
+    world.sphere(1, 0.1, {0, 0, 0.1 + 1e-4});  // falls from rest; comes to rest after 4.5 ms
+    world.sphere(1, 0.1, {1, 0, 0.1 + 3e-4});  // after 7.8 ms
+    dCreatePlane(world.space, 0, 0, 1, 0);
+    AccurateStepOptions options = bouncing(0);
+    int left = 2;
+    options.after_impact = [&](const Touch&) {
+      if (--left == 0) throw std::runtime_error("second impact");
+    };
+    AccurateStep step(world.id, world.space, options);
+    if (first_fails) CHECK_THROWS(step(0.01), std::runtime_error, "second impact");
+    left = -1;
+    step(0.01);
+    CHECK_EQUAL(step.touches().size(), std::size_t{2});
+    return world.state();
+  };
+  CHECK(second_try(true) == second_try(false));
+}
+
 }  // namespace
 
 int main() {
@@ -346,5 +369,6 @@ int main() {
   check_many_in_a_step();
   check_most_impacts();
   check_rest_speed();
+  check_failed_step();
   return odeval::test::verdict();
 }
