@@ -86,7 +86,8 @@ Table losses(Evaluator& evaluator, const std::vector<const Evaluation*>& runs, c
                fmt::format("distance from ode45 until {} s (rms), rad", claimed_until_s),
                fmt::format("parts from ode45 by {} rad at, s", visible_rad)},
               {},
-              "The errors are the largest angle errors against the reference; lost is an error above 0.1 rad."};
+              "The errors are the largest angle errors against the reference; lost is an error above 0.1 rad." +
+                  reference_known(evaluator, {1, 3, evaluator.scenario().duration_s})};
   for (const Evaluation* run : runs) {
     const Metrics whole = evaluator.measure(*run, evaluator.scenario().duration_s);
     const std::optional<double> apart = parts_at(run->trace, ode45, visible_rad);

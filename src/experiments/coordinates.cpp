@@ -227,7 +227,9 @@ Section coordinates(Laboratory& laboratory, Findings& findings) {
       "and "
       "with h where there is none."});
   section.blocks.emplace_back(order_figure(ladders));
-  section.blocks.emplace_back(order_table(ladders));
+  report::Table orders = order_table(ladders);
+  orders.note += reference_known(evaluator, {1});
+  section.blocks.emplace_back(std::move(orders));
   section.blocks.emplace_back(report::Figure{"coordinates-condition",
                                              "Condition of what each method inverts",
                                              "The larger, the more digits a solution may lose. What is lost here is "

@@ -25,7 +25,8 @@ Section energy(Laboratory& laboratory, Findings& findings) {
                       {"method", "largest until 3 s, J", fmt::format("largest until {} s, J", end), "rms, J",
                        "at the end, J", "largest angle error until 3 s, rad"},
                       {},
-                      "Drift is the energy minus the energy at t = 0, of a motion that loses and gains none."};
+                      "Drift is the energy minus the energy at t = 0, of a motion that loses and gains none." +
+                          reference_known(evaluator, {3})};
   double largest[3] = {};
   std::vector<const Evaluation*> runs;
   for (std::size_t i = 0; i < std::size(compared); ++i) {

@@ -157,7 +157,9 @@ Section energy_feedback(Laboratory& laboratory, Findings& findings) {
       "last column.",
       early_s, angles)});
   section.blocks.emplace_back(figure(runs, cfms));
-  section.blocks.emplace_back(table(runs, cfms, file));
+  report::Table drifts = table(runs, cfms, file);
+  drifts.note += reference_known(laboratory.evaluator("double_pendulum"), {early_s});
+  section.blocks.emplace_back(std::move(drifts));
   return section;
 }
 

@@ -52,7 +52,8 @@ Section feedback_term(Laboratory& laboratory, Findings& findings) {
                        "angle error without, rad", "angle error with, rad"},
                       {},
                       fmt::format("Feedback: ks = {} 1/s², kd = {} 1/s. Lost is an angle error above {} rad.",
-                                  file.maximal.ks, file.maximal.kd, divergence_rad)};
+                                  file.maximal.ks, file.maximal.kd, divergence_rad) +
+                          reference_known(evaluator, {early_s, file.duration_s})};
   report::Figure figure{"feedback-gap",
                         "Gaps of the joints",
                         "The wider of the two joints; explicit Euler left, Runge-Kutta right.",

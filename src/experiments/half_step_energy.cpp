@@ -29,13 +29,13 @@ double largest_until(const Column& t, const Column& drift, double time_s) {
 
 Section half_step_energy(Laboratory& laboratory, Findings& findings) {
   report::Figure figure{"half-step-energy-figure", "Energy drift of one and the same motion, read twice", {}, {}, 1};
-  report::Table table{
-      "half-step-energy",
-      "Energy drift from stored and from centred velocities",
-      {"scenario", "until, s", "from stored velocities, J", "from centred velocities, J", "ratio", "angle error, rad"},
-      {},
-      "The runs are those of the scenario files. Both columns are of the same motion, so the error of "
-      "the angles is one."};
+  report::Table table{"half-step-energy",
+                      "Energy drift from stored and from centred velocities",
+                      {"scenario", "until, s", "from stored velocities, J", "from centred velocities, J", "ratio",
+                       "angle error, rad", "uncertainty of the reference, rad"},
+                      {},
+                      "The runs are those of the scenario files. Both columns are of the same motion, so the error of "
+                      "the angles is one."};
   for (const char* name : {"double_pendulum", "single_pendulum", "chain"}) {
     Evaluator& evaluator = laboratory.evaluator(name);
     const Evaluation& run = *laboratory.run(name, method);
@@ -46,7 +46,8 @@ Section half_step_energy(Laboratory& laboratory, Findings& findings) {
     for (const double time_s : times) {
       const double usual = largest_until(run.trace.t, stored, time_s);
       const double half = largest_until(run.trace.t, centred, time_s);
-      table.rows.push_back({std::string(name), time_s, usual, half, usual / half, error_until(evaluator, run, time_s)});
+      table.rows.push_back({std::string(name), time_s, usual, half, usual / half, error_until(evaluator, run, time_s),
+                            uncertainty_until(evaluator, run, time_s)});
       if (time_s == until_s && name == std::string_view("double_pendulum")) {
         findings.add("O3.drift_ratio",
                      measured_ratio(fmt::format("largest energy drift until {} s from stored over that from centred "

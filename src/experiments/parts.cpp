@@ -119,4 +119,15 @@ double uncertainty_until(Evaluator& evaluator, const Evaluation& run, double unt
   return evaluator.measure(run, until_s).reference_uncertainty.value_or(std::numeric_limits<double>::quiet_NaN());
 }
 
+std::string reference_known(Evaluator& evaluator, std::initializer_list<double> until_s) {
+  const Reference& reference = evaluator.reference();
+  std::string text;
+  for (const double time : until_s) {
+    const Column known = part(reference.uncertainty_q, rows_between(reference.trace.t, 0, time));
+    text += fmt::format("{} {} rad until {} s", text.empty() ? " The reference knows the angles to" : ",",
+                        shown(std::ranges::max(known)), time);
+  }
+  return text + ".";
+}
+
 }  // namespace odeval::experiments

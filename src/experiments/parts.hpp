@@ -58,4 +58,7 @@ report::Finding unavailable(std::string meaning, std::string unit, std::string w
 double error_until(catalogue::Evaluator& evaluator, const catalogue::Evaluation& run, double until_s);
 double uncertainty_until(catalogue::Evaluator& evaluator, const catalogue::Evaluation& run, double until_s);
 
+/// For the note of a table of errors: a sentence, with a space before it, on how far the reference may be off.
+std::string reference_known(catalogue::Evaluator& evaluator, std::initializer_list<double> until_s);
+
 }  // namespace odeval::experiments

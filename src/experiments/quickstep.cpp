@@ -48,7 +48,8 @@ Section quickstep(Laboratory& laboratory, Findings& findings) {
       {"method", "iterations", "over-relaxation", fmt::format("angle error until {} s, rad", until_s),
        "error over dWorldStep's", fmt::format("largest gap until {} s, m", until_s)},
       {{std::string(big_matrix), std::string("direct"), std::string("-"), error, 1.0, *of_step.max_gap}},
-      "The cost of a step grows with the iterations; what it is on this machine stands in the timings."};
+      "The cost of a step grows with the iterations; what it is on this machine stands in the timings." +
+          reference_known(evaluator, {until_s})};
   Panel errors{.x_label = "iterations", .y_label = "angle error, rad", .log_x = true, .log_y = true};
   Panel gaps{.x_label = "iterations", .y_label = "largest gap, m", .log_x = true, .log_y = true};
   for (const double over_relaxation : over_relaxations) {
