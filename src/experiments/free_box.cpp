@@ -83,7 +83,11 @@ Section free_box(Laboratory& laboratory, Findings& findings) {
       const Scales scales = scales_of(scenario.bodies[0]);
       for (const char* name : measured_methods) {
         const catalogue::Method* const method = available(name);
-        if (method == nullptr) continue;
+        if (method == nullptr) {
+          table.rows.push_back(
+              row_left_out({std::string(which.name), std::string(name), step_s}, table.columns.size()));
+          continue;
+        }
         const Evaluation run = evaluator.evaluate(*method);
         const Metrics all = evaluator.measure(run, scenario.duration_s);
         const Metrics early = evaluator.measure(run, early_s);
@@ -134,6 +138,7 @@ Section free_box(Laboratory& laboratory, Findings& findings) {
       "another time. Single precision adds what rounding of each position and speed comes to: a few centimetres after "
       "some 400 m, more with a smaller step.",
       shown(off_the_law))});
+  say_left_out(section, measured_methods);
   report::Figure figure{
       "free-box-errors",
       "Errors of a free box",

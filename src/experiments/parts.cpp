@@ -111,6 +111,21 @@ Finding unavailable(std::string meaning, std::string unit, std::string why) {
   return {std::move(meaning), std::move(unit), std::nullopt, 0, std::move(why)};
 }
 
+std::vector<report::Cell> row_left_out(std::vector<report::Cell> known, std::size_t columns) {
+  known.resize(columns, report::Missing{std::string(catalogue::why_missing)});
+  return known;
+}
+
+void say_left_out(report::Section& section, std::span<const char* const> methods) {
+  std::string missing;
+  for (const char* name : methods) {
+    if (available(name) == nullptr) missing += (missing.empty() ? "" : ", ") + std::string(name);
+  }
+  if (missing.empty()) return;
+  section.blocks.emplace_back(
+      report::Text{fmt::format("Not in this build: {} ({}).", missing, catalogue::why_missing)});
+}
+
 double error_until(Evaluator& evaluator, const Evaluation& run, double until_s) {
   return evaluator.measure(run, until_s).max_error_q.value_or(std::numeric_limits<double>::quiet_NaN());
 }

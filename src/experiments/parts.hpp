@@ -1,6 +1,7 @@
 #pragma once
 // What sections are made of: curves of traces, shades, findings of measured numbers.
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -53,6 +54,12 @@ report::Finding measured(std::string meaning, std::string unit, double value, do
 report::Finding measured_ratio(std::string meaning, double a, double b, double doubt_a = 0, double doubt_b = 0);
 
 report::Finding unavailable(std::string meaning, std::string unit, std::string why);
+
+/// A row of a method that this build lacks, from the cells that are known to `columns` of them.
+std::vector<report::Cell> row_left_out(std::vector<report::Cell> known, std::size_t columns);
+
+/// For the section of a figure: says which of its methods this build lacks, if any.
+void say_left_out(report::Section& section, std::span<const char* const> methods);
 
 /// The largest angle error until a time, which a run that blew up has no number for.
 double error_until(catalogue::Evaluator& evaluator, const catalogue::Evaluation& run, double until_s);

@@ -98,6 +98,9 @@ SpinUp spin_up(const Scenario& file, Findings& findings) {
         const bool judged = aspect == judged_aspect && gyroscopic && big_matrix;
         if (method == nullptr) {
           if (judged) add_finding(findings, precision, nullptr, own);
+          result.table.rows.push_back(row_left_out(
+              {fmt::format("{}", aspect), moments[0] / moments[2], std::string(name), std::string(word(gyroscopic))},
+              result.table.columns.size()));
           continue;
         }
         OdeSettings settings = scenario.ode;
@@ -198,8 +201,13 @@ report::Table thin_links(Laboratory& laboratory) {
       Evaluator evaluator(scenario);
       for (const char* method_name : thin_methods) {
         const catalogue::Method* const method = available(method_name);
-        if (method == nullptr) continue;
         for (const bool gyroscopic : {true, false}) {
+          if (method == nullptr) {
+            table.rows.push_back(row_left_out(
+                {std::string(name), fmt::format("{}", aspect), std::string(method_name), std::string(word(gyroscopic))},
+                table.columns.size()));
+            continue;
+          }
           OdeSettings settings = scenario.ode;
           settings.gyroscopic = gyroscopic;
           const Metrics metrics = evaluator.measure(evaluator.evaluate(*method, settings), swing_s);
@@ -229,6 +237,7 @@ Section thin_body(Laboratory& laboratory, Findings& findings) {
       "(I (I - h [I w]x)^-1 - 1) I w / h, a difference of matrices in which rounding stands multiplied by the ratio of "
       "the moments, and divides by the small moment after that: digits run out long before the ratio reaches 1e7.",
       shown(own_spin(file)))});
+  say_left_out(section, thin_methods);
   report::Figure figure{
       "thin-body-figure",
       "Spin that should not be there",
