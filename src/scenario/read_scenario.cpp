@@ -24,7 +24,7 @@ std::string joined(std::string_view section, std::string_view name) {
 // As TOML, but numbers as short as the user wrote them, and 20.0 not as the whole number 20.
 std::string text_of(const toml::node& node) {
   if (node.is_floating_point()) {
-    const std::string text = fmt::format("{}", node.value<double>().value());
+    const std::string text = fmt::format("{}", node.as_floating_point()->get());
     return text + (text.find_first_not_of("-0123456789") == std::string::npos ? ".0" : "");
   }
   if (const toml::array* list = node.as_array()) {
@@ -245,7 +245,9 @@ class Reader {
 
   double number_of(const KeyRow& row, const toml::node& node, const std::string& path) const {
     if (row.kind == KeyKind::whole ? node.is_integer() : node.is_number()) {
-      const double number = node.value<double>().value();
+      // A whole number beyond 2^53 is rounded; the library would have it no number at all.
+      const double number =
+          node.is_integer() ? static_cast<double>(node.as_integer()->get()) : node.as_floating_point()->get();
       const bool inside = row.ends_excluded ? number > row.least && number < row.greatest
                                             : number >= row.least && number <= row.greatest;
       if (inside) return number;

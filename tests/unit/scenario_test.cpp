@@ -440,6 +440,9 @@ void springs_take_the_place_of_erp_and_cfm() {
   const std::vector<Override> replaced_by{{"ode.erp", "0.3", "--erp"}, {"ode.cfm", "0", "--cfm"}};
   CHECK(!read(spring, replaced_by).ode.spring);
   CHECK_EQUAL(read(spring, replaced_by).ode.softness(1e-3).erp, 0.3);
+  // Found by the fuzz target: a whole number that no double is.
+  CHECK_THROWS(read(single, {{"gravity", "9007199254740993", "--set"}}), UserError,
+               "--set gravity=9007199254740993: gravity must be a number from 0 to 10000 m/s²");
   const std::string soft = single + "[ode]\nerp = 0.1\ncfm = 1e-3\n";
   const std::vector<Override> replacing{{"ode.kp", "100", "--kp"}, {"ode.kd", "2", "--kd"}};
   CHECK_EQUAL(read(soft, replacing).ode.softness(1e-3).cfm, 1 / 2.1);
