@@ -35,8 +35,10 @@ constexpr Case cases[] = {
 };
 
 struct Slide {
-  double way = 0;         // m, from start to end
-  double true_way = 0;    // m
+  double way = 0;       // m, from start to end
+  double true_way = 0;  // m
+  double stops_s = 0;
+  double true_stops_s = 0;
   double turned_deg = 0;  // of that way, away from where it set out for
   double error = 0;       // m, largest distance from the reference
   double doubt = 0;       // m
@@ -59,8 +61,12 @@ Slide slide(Scenario scenario, const Case& how, double direction_deg) {
   const Vec3 gone = way(run.trace);
   const Vec3 wanted = way(evaluator.reference().trace);
   const Metrics metrics = evaluator.measure(run, scenario.duration_s);
-  return {std::sqrt(dot(gone, gone)), std::sqrt(dot(wanted, wanted)),
-          std::atan2(gone[1], gone[0]) * 180 / pi - direction_deg, metrics.max_error_position.value_or(NAN),
+  return {std::sqrt(dot(gone, gone)),
+          std::sqrt(dot(wanted, wanted)),
+          metrics.rest_time.value_or(NAN),
+          evaluator.reference().at_rest_from,
+          std::atan2(gone[1], gone[0]) * 180 / pi - direction_deg,
+          metrics.max_error_position.value_or(NAN),
           metrics.position_uncertainty.value_or(NAN)};
 }
 
@@ -109,7 +115,8 @@ Section friction(Laboratory& laboratory, Findings& findings) {
   report::Table table{"friction",
                       "How far a box slides, and where to",
                       {"friction", "direction, degrees", "way, m", "Coulomb's way, m", "way over Coulomb's",
-                       "turned aside, degrees", "largest distance from Coulomb's motion, m", "reference off by, m"},
+                       "stops at, s", "Coulomb's stop, s", "turned aside, degrees",
+                       "largest distance from Coulomb's motion, m", "reference off by, m"},
                       {},
                       "The direction is counted from one of the two axes that ODE lets friction act along."};
   Panel ways{.x_label = "direction of the slide, degrees", .y_label = "way over Coulomb's"};
@@ -125,7 +132,7 @@ Section friction(Laboratory& laboratory, Findings& findings) {
     for (const double direction : directions_deg) {
       const Slide slid = slide(scenario, how, direction);
       table.rows.push_back({std::string(how.label), direction, slid.way, slid.true_way, slid.way / slid.true_way,
-                            slid.turned_deg, slid.error, slid.doubt});
+                            slid.stops_s, slid.true_stops_s, slid.turned_deg, slid.error, slid.doubt});
       way.x.push_back(direction);
       way.y.push_back(slid.way / slid.true_way);
       turned.x.push_back(direction);
