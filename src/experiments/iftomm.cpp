@@ -61,7 +61,19 @@ std::vector<double> ladder_of(const Accuracy& accuracy, const Method& method, do
 struct Reached {
   std::optional<double> setting[std::size(asked)];
   Trial best;
+  std::vector<Trial> tried;
 };
+
+/// Errors of what was tried over the number of steps, of runs that stayed finite.
+report::Series series_of(std::string name, const Reached& reached, int colour) {
+  report::Series series{std::move(name), {}, {}, report::Mark::line_and_points, colour};
+  for (const Trial& trial : reached.tried) {
+    if (!std::isfinite(trial.error) || trial.steps == 0) continue;
+    series.x.push_back(static_cast<double>(trial.steps));
+    series.y.push_back(trial.error);
+  }
+  return series;
+}
 
 Reached search(const Accuracy& accuracy, const Method& method, const std::vector<double>& ladder) {
   Reached reached;
@@ -69,6 +81,7 @@ Reached search(const Accuracy& accuracy, const Method& method, const std::vector
   for (const double setting : ladder) {
     const Trial trial = accuracy.try_setting(method, setting);
     if (!(trial.error >= reached.best.error)) reached.best = trial;
+    reached.tried.push_back(trial);
     while (next < std::size(asked) && trial.keeps(asked[next])) reached.setting[next++] = setting;
     if (next == std::size(asked)) break;
   }
@@ -107,6 +120,7 @@ Section iftomm(Laboratory& laboratory, Findings& findings) {
                                   accuracy.row_spacing_s(), most_steps_cartesian, most_steps_generalized,
                                   scenario.duration_s / accuracy.row_spacing_s() * best_settings_steps_a_row[1],
                                   shown(accuracy.doubt()))};
+  report::Panel panel{.x_label = "steps", .y_label = "largest angle error, rad", .log_x = true, .log_y = true};
   for (const Method& method : catalogue::methods()) {
     if (!method.claims(*scenario.problem)) continue;
     std::vector<Cell> row{std::string(method.name)};
@@ -119,6 +133,7 @@ Section iftomm(Laboratory& laboratory, Findings& findings) {
     const Reached reached =
         search(accuracy, method, ladder_of(accuracy, method, scenario.duration_s, most_steps_of(method)));
     add_cells(row, accuracy, method, reached);
+    panel.series.push_back(series_of(std::string(method.name), reached, colour_of(method.name)));
     for (std::size_t i = 0; i < std::size(asked); ++i) {
       const std::optional<double>& setting = reached.setting[i];
       if (method.name == "ode-rk4-double" || method.name == "lagrange-symplectic-euler") {
@@ -144,8 +159,10 @@ Section iftomm(Laboratory& laboratory, Findings& findings) {
   std::vector<double> ladder;
   for (const double steps : best_settings_steps_a_row) ladder.push_back(with_best.row_spacing_s() / steps);
   const Reached reached = search(with_best, engine, ladder);
-  std::vector<Cell> row{fmt::format("{}, ERP 1, half-step start", engine.name)};
+  const std::string row_name = fmt::format("{}, ERP 1, half-step start", engine.name);
+  std::vector<Cell> row{row_name};
   add_cells(row, with_best, engine, reached);
+  panel.series.push_back(series_of(row_name, reached, colour_of(engine.name)));
   table.rows.push_back(std::move(row));
   const std::string meaning = fmt::format(
       "step of dWorldStep with ERP 1 and the half-step start that stays within {} rad "
@@ -158,12 +175,18 @@ Section iftomm(Laboratory& laboratory, Findings& findings) {
   section.blocks.emplace_back(report::Text{fmt::format(
       "A point of 1 kg on a bar of 1 m, released from the horizontal, has to stay near the exact motion for {} s: "
       "problem A01 of the IFToMM benchmark library, whose score is the CPU time that this costs. It asks for what a "
-      "short run does not show: that a method's error does not pile up. At the steps that are tried "
-      "here ODE's loses energy in every swing, so that the phase of its swing runs away, and a symplectic step keeps "
+      "short run does not show: that a method's error does not pile up. At the steps tried here ODE "
+      "loses energy in every swing, so that the phase of its swing runs away, and a symplectic step keeps "
       "it. "
       "The last row is ODE at the settings that the half-step start (O1) and the best ERP (O2) come to, with more "
       "steps.",
       scenario.duration_s)});
+  section.blocks.emplace_back(report::Figure{
+      "iftomm-figure",
+      fmt::format("Error over {} s and the steps it took", scenario.duration_s),
+      "Angle errors that are many turns are of a pendulum that goes over the top, or of one that has come to rest.",
+      {std::move(panel)},
+      1});
   section.blocks.emplace_back(std::move(table));
   return section;
 }
