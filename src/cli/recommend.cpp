@@ -339,6 +339,11 @@ Action attach_recommend(CLI::App& app) {
   add_out_option(app, options->out);
   app.add_flag("--quiet", options->quiet, "no table, no progress");
   options->settings.attach(app);
+  for (const char* key : searched) {
+    // Read, so that the refusal can say why, and no part of the help; a start may be asked for.
+    CLI::Option* flag = app.get_option_no_throw(std::string("--") + key);
+    if (flag != nullptr) flag->group("");
+  }
   return [options] { return recommend(*options); };
 }
 

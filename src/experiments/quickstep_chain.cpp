@@ -56,9 +56,9 @@ Section quickstep_chain(Laboratory& laboratory, Findings& findings) {
        "CPU time a step, s"},
       {{std::string(big_matrix), std::string("direct"), std::string("-"), error, 1.0, *of_step.max_gap,
         cost_a_step(step)}},
-      fmt::format("Errors and gaps are the largest at rows 0.02 s apart, and a gap may be wider between them. The "
+      fmt::format("Errors and gaps are the largest at rows {} s apart, and a gap may be wider between them. The "
                   "reference knows the angles to {} rad. Times are of this machine, one run each.",
-                  shown(doubt))};
+                  *scenario.sample_s, shown(doubt))};
   Panel errors{.x_label = "iterations", .y_label = "angle error, rad", .log_x = true, .log_y = true};
   Panel costs{.x_label = "CPU time a step, s", .y_label = "angle error, rad", .log_x = true, .log_y = true};
   for (const double over_relaxation : over_relaxations) {
