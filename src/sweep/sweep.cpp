@@ -103,6 +103,7 @@ class Sweep {
       if (std::none_of(workers_.begin(), workers_.end(), [](const auto& worker) { return worker->busy(); })) return 0;
       wait();
       if (const int signal = signals_.take()) return signal;
+      excuse_a_stop();
       for (auto& worker : workers_) {
         if (ready(*worker)) answer(worker);
       }
@@ -213,12 +214,18 @@ class Sweep {
     for (const Task& left : tasks) worker->give(left);
   }
 
-  void end_the_late() {
+  /// Before the answers, which would count it as time of their runs.
+  void excuse_a_stop() {
     const double now = steady_seconds();
     const double turn = now - looked_at_s_;
     looked_at_s_ = now;
+    if (turn <= longest_turn_s) return;
+    for (auto& worker : workers_) worker->excuse(turn);
+  }
+
+  void end_the_late() {
+    const double now = steady_seconds();
     for (auto& worker : workers_) {
-      if (turn > longest_turn_s) worker->excuse(turn);
       if (!worker->busy() || now < worker->begun_at_s() + options_.timeout_s) continue;
       std::deque<Task> tasks = worker->tasks();
       const Task task = tasks.front();
@@ -277,7 +284,7 @@ class Sweep {
   std::vector<int> free_places_;
   std::map<long, int> ends_from_outside_;
   std::vector<pollfd> waits_;
-  double looked_at_s_ = steady_seconds();  // for the late
+  double looked_at_s_ = steady_seconds();  // for a stop
   std::vector<WorkerPlace> workers_;
 };
 

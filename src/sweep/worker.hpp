@@ -3,6 +3,7 @@
 // and what a run does to the process (an abort, a leak) ends with it.
 #include <sys/types.h>
 
+#include <algorithm>
 #include <deque>
 #include <functional>
 #include <optional>
@@ -85,7 +86,7 @@ class Worker {
   long done() const { return done_; }
   double begun_at_s() const { return begun_at_s_; }  // the first of the tasks
   /// Time in which nobody could work does not count.
-  void excuse(double seconds) { begun_at_s_ += seconds; }
+  void excuse(double seconds) { begun_at_s_ = std::min(begun_at_s_ + seconds, steady_seconds()); }
   /// Mean time of what it has done, s.
   double pace_s() const;
 

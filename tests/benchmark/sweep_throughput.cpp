@@ -1,38 +1,45 @@
-// What two workers of a sweep bring, and what sweeping costs beside the runs.
+// What a second worker of a sweep is worth, and what sweeping costs beside the runs.
 //
-//   odeval-sweep-throughput [ROUNDS [RUNS]]
+//   odeval-sweep-throughput [ROUNDS [SECONDS]]
 //
-// Real runs of the double pendulum (ode-step-double), of about half a millisecond, 20 ms and 60 ms. Each round times
-// one after the other, in turn: the same runs in a bare loop in this process with everything at hand (reference,
-// scenario read); then in sweeps with one worker and with two, journal and all, of RUNS runs and of three times as many
-// (short ones: ten times that). What the longer sweep took more is what its further runs cost; what is left of the
-// shorter one is paid once a sweep (processes, their first pages of memory, the reference). Prints medians of the
-// rounds, in wall time and in CPU time of all processes together, and the load of the machine; judges nothing.
+// Real runs of the double pendulum (ode-step-double) of three lengths. Four parties do the same runs without end: a
+// bare loop with everything at hand (reference, scenarios read), two such loops in two processes, a sweep with one
+// worker and a sweep with two, journal and all. Only one party is awake at a time (the others are stopped by SIGSTOP):
+// in each round each gets SECONDS, in turn, so that whatever else happens on the machine falls on all of them alike.
+// Who works alone is held to one of two processors, the other one in the next round: one processor may well be slower
+// than the other for a while. What a sweep pays once (processes, the reference) is over before the count begins. Prints
+// what the whole of the rounds gives, and as +- the standard error of the mean over ten parts of them; judges nothing.
 //
-//   once                of a sweep with one worker, whatever the number of its runs
-//   machine             what a second process of the bare loop is worth here and now: the most that can be had
-//   throughput          wall time of a further run with one worker over that with two
-//   by CPU              the same, had nobody else used the machine: twice the CPU time with one over that with two
-//   overhead, wall      of a further run with one worker beyond one of the bare loop
-//   overhead, CPU       the same in CPU time
+//   bare         time of a run in the bare loop
+//   machine      runs of two bare loops over those of one: the most that can be had here and now, what this machine
+//                gives two processes that have nothing to do with each other
+//   throughput   runs of two workers over those of one
+//   overhead     time of a run with one worker beyond that of the bare loop
 #include <fmt/format.h>
-#include <sys/resource.h>
-#include <sys/socket.h>
+#include <malloc.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <memory>
-#include <span>
+#include <numeric>
+#include <thread>
 #include <vector>
 
 #include "catalogue/grid_runs.hpp"
 #include "catalogue/paths.hpp"
 #include "cli/settings.hpp"
-#include "measure/spread.hpp"
 #include "odeval/error.hpp"
 #include "output/sweep_table.hpp"
 #include "sweep/sweep.hpp"
@@ -42,147 +49,218 @@ namespace {
 using namespace odeval;
 namespace fs = std::filesystem;
 
-struct Times {
-  double wall_s = 0;
-  double cpu_s = 0;
+constexpr std::size_t parts = 10;
 
-  Times operator-(const Times& other) const { return {wall_s - other.wall_s, cpu_s - other.cpu_s}; }
-  Times operator/(double count) const { return {wall_s / count, cpu_s / count}; }
-};
+using Count = std::atomic<long>;
+static_assert(Count::is_always_lock_free, "shared between processes");
 
-/// CPU seconds of this process and of its children that have ended, user and system together.
-double all_cpu_seconds() {
-  double seconds = 0;
-  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
-    rusage usage{};
-    ::getrusage(who, &usage);
-    for (const timeval& t : {usage.ru_utime, usage.ru_stime}) {
-      seconds += static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-    }
-  }
-  return seconds;
+Count& shared_count() {
+  void* const memory = ::mmap(nullptr, sizeof(Count), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) throw MachineError("no memory to share");
+  return *new (memory) Count(0);
 }
 
-template <class Action>
-Times timed(const Action& action) {
-  const double cpu = all_cpu_seconds();
-  const double wall = sweep::steady_seconds();
-  action();
-  return {sweep::steady_seconds() - wall, all_cpu_seconds() - cpu};
+/// Processes that count the runs they do, awake only in `turn`.
+class Party {
+ public:
+  explicit Party(const std::function<void(Count& done)>& work) {
+    leader_ = ::fork();
+    if (leader_ == 0) {
+      ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+      ::setpgid(0, 0);
+      try {
+        work(done_);
+      } catch (const std::exception& error) {
+        fmt::print(stderr, "odeval-sweep-throughput: {}\n", error.what());
+      }
+      ::_exit(1);  // its work has no end
+    }
+    if (leader_ < 0) throw MachineError("no process for a party");
+    ::setpgid(leader_, leader_);
+    while (done_ < 20) sleep(0.01);
+    ::kill(-leader_, SIGSTOP);
+  }
+  ~Party() {
+    ::kill(-leader_, SIGKILL);
+    ::waitpid(leader_, nullptr, 0);
+  }
+  Party(const Party&) = delete;
+  Party& operator=(const Party&) = delete;
+
+  /// Runs a second.
+  double turn(double seconds) const {
+    const long before = done_;
+    const double begun = sweep::steady_seconds();
+    ::kill(-leader_, SIGCONT);
+    sleep(seconds);
+    ::kill(-leader_, SIGSTOP);
+    const double took = sweep::steady_seconds() - begun;
+    return static_cast<double>(done_ - before) / took;
+  }
+
+ private:
+  void sleep(double seconds) const {
+    std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+    if (::waitpid(leader_, nullptr, WNOHANG) != 0) throw MachineError("a party has ended before its time");
+  }
+
+  Count& done_ = shared_count();
+  pid_t leader_ = -1;
+};
+
+/// One of the first two processors that this program may use: the other one in every other round.
+class Processor {
+ public:
+  Processor() {
+    cpu_set_t allowed;
+    if (::sched_getaffinity(0, sizeof allowed, &allowed) != 0) throw MachineError("no list of processors");
+    for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+      if (CPU_ISSET(cpu, &allowed)) cpus_.push_back(cpu);
+    }
+    if (cpus_.size() < 2) throw MachineError("one processor: nothing to compare");
+  }
+
+  void choose(std::size_t round) { chosen_ = cpus_[round % 2]; }
+
+  /// In the process that works alone.
+  void keep_to_it() const {
+    static long kept = -1;
+    const long chosen = chosen_;
+    if (chosen == kept) return;
+    kept = chosen;
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    CPU_SET(static_cast<std::size_t>(chosen), &set);
+    if (::sched_setaffinity(0, sizeof set, &set) != 0) throw MachineError("cannot choose a processor");
+  }
+
+ private:
+  std::vector<int> cpus_;
+  Count& chosen_ = shared_count();
+};
+
+struct Estimate {
+  double value = 0;
+  double standard_error = 0;
+};
+
+double mean(const std::vector<double>& values, std::size_t begin, std::size_t end) {
+  return std::accumulate(values.begin() + static_cast<long>(begin), values.begin() + static_cast<long>(end), 0.0) /
+         static_cast<double>(end - begin);
+}
+
+/// Of a quantity made of the mean rates of two parties.
+template <class Quantity>
+Estimate estimate(const std::vector<double>& a, const std::vector<double>& b, const Quantity& quantity) {
+  const std::size_t rounds = a.size();
+  const double whole = quantity(mean(a, 0, rounds), mean(b, 0, rounds));
+  double squares = 0;
+  for (std::size_t part = 0; part < parts; ++part) {
+    const std::size_t begin = rounds * part / parts;
+    const std::size_t end = rounds * (part + 1) / parts;
+    squares += std::pow(quantity(mean(a, begin, end), mean(b, begin, end)) - whole, 2);
+  }
+  return {whole, std::sqrt(squares / (parts * (parts - 1)))};
 }
 
 struct Case {
   const char* what;
   double duration_s;
-  long runs;
+  long runs;  // more than will be done
 };
 
-void run_all(std::span<const Scenario> scenarios, const std::shared_ptr<const Reference>& reference,
-             const catalogue::Method& method) {
-  for (const Scenario& scenario : scenarios) {
-    catalogue::Evaluator evaluator(scenario, reference);
-    const catalogue::Evaluation evaluation = evaluator.evaluate(method);
-    const SampleGrid& rows = evaluator.grid();
-    const Metrics metrics = evaluator.measure(evaluation, rows.time(rows.rows - 1));
-    if (evaluation.outcome.diverged || !metrics.max_error_q) fmt::print("not all runs are ok\n");
-  }
-}
-
-/// Half of the runs in this process and half in another at the same time, once both are warm: what this machine gives
-/// two processes that have nothing to do with each other.
-Times timed_beside(std::span<const Scenario> scenarios, const std::shared_ptr<const Reference>& reference,
-                   const catalogue::Method& method) {
-  const std::size_t half = scenarios.size() / 2;
-  std::array<int, 2> ends{};
-  if (::socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()) != 0) throw MachineError("no pipe");
-  char byte = 0;
-  const auto say = [&](int end) { return ::write(end, &byte, 1) == 1; };
-  const auto hear = [&](int end) { return ::read(end, &byte, 1) == 1; };
-  const pid_t other = ::fork();
-  if (other == 0) {
-    run_all(scenarios.first(1), reference, method);
-    const bool asked = say(ends[1]) && hear(ends[1]);
-    if (asked) run_all(scenarios.subspan(half), reference, method);
-    ::_exit(asked && say(ends[1]) ? 0 : 1);
-  }
-  if (other < 0 || !hear(ends[0])) throw MachineError("no second process");
-  const Times together = timed([&] {
-    if (!say(ends[0])) throw MachineError("the second process is gone");
-    run_all(scenarios.first(half), reference, method);
-    if (!hear(ends[0])) throw MachineError("the second process is gone");
-  });
-  ::waitpid(other, nullptr, 0);
-  for (const int end : ends) ::close(end);
-  return together;
-}
-
-void measure(const Case& wanted, int rounds, const fs::path& folder) {
+void measure(const Case& wanted, std::size_t rounds, double seconds, const fs::path& folder) {
   const ScenarioFile file(catalogue::scenario_folder() / "double_pendulum.toml");
   // A grid of ERP, which the reference does not depend on: one group.
-  const auto grid_of = [](long runs) {
-    const std::string erp = fmt::format("ode.erp=lin:0.1:0.9:{}", runs);
-    return sweep::Grid({sweep::parse_axis(erp, [](auto&) { return false; }), {"method", {"ode-step-double"}}});
-  };
-  const std::vector<Override> settings{{"duration", fmt::format("{}", wanted.duration_s), "--duration"}};
-  catalogue::GridRuns runs(file, settings, cli::known_names(), grid_of(wanted.runs));
-  catalogue::GridRuns few(file, settings, cli::known_names(), grid_of(wanted.runs / 3));
+  const std::string erp = fmt::format("ode.erp=lin:0.1:0.9:{}", wanted.runs);
+  catalogue::GridRuns runs(
+      file, {{"duration", fmt::format("{}", wanted.duration_s), "--duration"}}, cli::known_names(),
+      sweep::Grid({sweep::parse_axis(erp, [](auto&) { return false; }), {"method", {"ode-step-double"}}}));
   const auto groups = runs.groups();
-  const auto few_groups = few.groups();
   const catalogue::Method& method = catalogue::find_method("ode-step-double");
+  const auto reference = std::make_shared<const Reference>(catalogue::Evaluator(runs.scenario(0)).reference());
+  std::vector<Scenario> scenarios;
+  for (long i = 0; i < 100; ++i) scenarios.push_back(runs.scenario(i * (wanted.runs / 100)));
 
-  int journals = 0;
-  const auto sweep_with = [&](int jobs, catalogue::GridRuns& swept, const std::vector<std::uint32_t>& swept_groups) {
-    const sweep::Head head{"double_pendulum", {}, swept.grid().axes(), result_columns(), "", ""};
-    sweep::Journal journal(folder / std::to_string(++journals) / "benchmark.journal", head);
-    run_sweep(swept.work(), swept_groups, journal, {jobs, 3600, {}});
-    if (journal.rows(sweep::Status::ok) != swept.grid().runs()) fmt::print("not all runs are ok\n");
+  const auto loop = [&](Count& done, const Processor* alone) {
+    ::mallopt(M_MMAP_THRESHOLD, 32 << 20);  // as in a sweep's workers: pages are not given back between runs
+    ::mallopt(M_TRIM_THRESHOLD, 256 << 20);
+    for (std::size_t i = 0;; ++i) {
+      if (alone) alone->keep_to_it();
+      catalogue::Evaluator evaluator(scenarios[i % scenarios.size()], reference);
+      const catalogue::Evaluation evaluation = evaluator.evaluate(method);
+      const SampleGrid& rows = evaluator.grid();
+      const Metrics metrics = evaluator.measure(evaluation, rows.time(rows.rows - 1));
+      if (evaluation.outcome.diverged || !metrics.max_error_q) return;
+      ++done;
+    }
+  };
+  const auto sweep_with = [&](int jobs, Count& done, const Processor* alone) {
+    sweep::Work work = runs.work();
+    if (alone) {
+      work.run = [alone, run = work.run](long number, long group, std::string_view prepared) {
+        alone->keep_to_it();
+        return run(number, group, prepared);
+      };
+    }
+    const sweep::Head head{"double_pendulum", {}, runs.grid().axes(), result_columns(), "", ""};
+    sweep::Journal journal(folder / fmt::format("{} {}", wanted.what, jobs) / "benchmark.journal", head);
+    run_sweep(work, groups, journal, {jobs, 3600, [&](const sweep::Journal& j) { done = j.rows(sweep::Status::ok); }});
   };
 
-  const auto reference = std::make_shared<const Reference>(catalogue::Evaluator(runs.scenario(0)).reference());
-  const auto further = static_cast<double>(wanted.runs - wanted.runs / 3);
-  std::vector<double> bare_ms, one_ms, two_ms, once_ms, machine, throughput, by_cpu, overhead_wall, overhead_cpu;
-  for (int round = -1; round < rounds; ++round) {  // the first warms up
-    std::vector<Scenario> scenarios;
-    for (long run = wanted.runs / 3; run < wanted.runs; ++run) scenarios.push_back(runs.scenario(run));
-    const Times few_of_one = timed([&] { sweep_with(1, few, few_groups); });
-    const Times few_of_two = timed([&] { sweep_with(2, few, few_groups); });
-    const Times bare = timed([&] { run_all(scenarios, reference, method); }) / further;
-    const Times bare_beside = timed_beside(scenarios, reference, method) / further;
-    const Times all_of_one = timed([&] { sweep_with(1, runs, groups); });
-    const Times all_of_two = timed([&] { sweep_with(2, runs, groups); });
-    fs::remove_all(folder);
-    if (round < 0) continue;
-    const Times one = (all_of_one - few_of_one) / further;
-    const Times two = (all_of_two - few_of_two) / further;
-    bare_ms.push_back(1e3 * bare.wall_s);
-    one_ms.push_back(1e3 * one.wall_s);
-    two_ms.push_back(1e3 * two.wall_s);
-    once_ms.push_back(1e3 * (few_of_one.wall_s - static_cast<double>(wanted.runs / 3) * one.wall_s));
-    machine.push_back(bare.wall_s / bare_beside.wall_s);
-    throughput.push_back(one.wall_s / two.wall_s);
-    by_cpu.push_back(2 * one.cpu_s / two.cpu_s);
-    overhead_wall.push_back(1e3 * (one.wall_s - bare.wall_s));
-    overhead_cpu.push_back(1e3 * (one.cpu_s - bare.cpu_s));
+  Processor processor;
+  const Party bare_one([&](Count& done) { loop(done, &processor); });
+  const Party bare_two([&](Count& done) {
+    const pid_t leader = ::getpid();
+    if (::fork() == 0) {
+      ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+      if (::getppid() != leader) return;
+    }
+    loop(done, nullptr);
+  });
+  const Party sweep_one([&](Count& done) { sweep_with(1, done, &processor); });
+  const Party sweep_two([&](Count& done) { sweep_with(2, done, nullptr); });
+  const std::array<const Party*, 4> parties{&bare_one, &bare_two, &sweep_one, &sweep_two};
+  std::array<std::vector<double>, 4> rates;
+  for (std::size_t round = 0; round < rounds; ++round) {
+    processor.choose(round);
+    for (std::size_t i = 0; i < parties.size(); ++i) {
+      const std::size_t whose = round / 2 % 2 == 0 ? i : parties.size() - 1 - i;
+      rates[whose].push_back(parties[whose]->turn(seconds));
+    }
   }
+
+  const auto ratio = [](double a, double b) { return a / b; };
+  const auto ms_longer = [](double a, double b) { return 1e3 / a - 1e3 / b; };
+  const Estimate machine = estimate(rates[1], rates[0], ratio);
+  const Estimate throughput = estimate(rates[3], rates[2], ratio);
+  const Estimate overhead = estimate(rates[2], rates[0], ms_longer);
   double load = 0;
   ::getloadavg(&load, 1);
-  fmt::print("{:<8} {:5} {:9.3f} {:9.1f} {:11.3f} {:12.3f} {:8.2f} {:11.2f} {:8.2f} {:9.3f} {:9.3f} {:6.1f}\n",
-             wanted.what, wanted.runs, median(bare_ms), median(once_ms), median(one_ms), median(two_ms),
-             median(machine), median(throughput), median(by_cpu), median(overhead_wall), median(overhead_cpu), load);
+  fmt::print("{:<8} {:9.3f} {:10.3f} +- {:.3f} {:10.3f} +- {:.3f} {:10.3f} +- {:.3f} {:6.1f}\n", wanted.what,
+             1e3 / mean(rates[0], 0, rounds), machine.value, machine.standard_error, throughput.value,
+             throughput.standard_error, overhead.value, overhead.standard_error, load);
+  std::fflush(stdout);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int rounds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 15;
-  const long runs = argc > 2 ? std::max(2, std::atoi(argv[2])) : 20;
+  const auto rounds = static_cast<std::size_t>(argc > 1 ? std::max(static_cast<int>(parts), std::atoi(argv[1])) : 240);
+  const double seconds = argc > 2 ? std::max(0.01, std::atof(argv[2])) : 0.1;
   const fs::path folder = fs::temp_directory_path() / fmt::format("odeval-sweep-throughput-{}", ::getpid());
-  fmt::print("double_pendulum, {} rounds, medians\n", rounds);
-  fmt::print("{:<8} {:>5} {:>9} {:>9} {:>11} {:>12} {:>8} {:>11} {:>8} {:>9} {:>9} {:>6}\n", "case", "runs", "bare, ms",
-             "once, ms", "1 work., ms", "2 work., ms", "machine", "throughput", "by CPU", "over, ms", "CPU, ms",
+  fmt::print("double_pendulum, {} rounds of {} s each\n", rounds, seconds);
+  fmt::print("{:<8} {:>9} {:>19} {:>19} {:>19} {:>6}\n", "case", "bare, ms", "machine", "throughput", "overhead, ms",
              "load");
-  for (const Case& each : {Case{"short", 0.3, 30 * runs}, Case{"20 ms", 10, 3 * runs}, Case{"60 ms", 30, 3 * runs}}) {
-    measure(each, rounds, folder);
+  int status = 0;
+  try {
+    for (const Case& each : {Case{"short", 0.3, 400'000}, Case{"20 ms", 10, 20'000}, Case{"60 ms", 30, 10'000}}) {
+      measure(each, rounds, seconds, folder);
+    }
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "odeval-sweep-throughput: {}\n", error.what());
+    status = 1;
   }
   fs::remove_all(folder);
+  return status;
 }

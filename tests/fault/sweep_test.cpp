@@ -227,6 +227,20 @@ void stopped_and_continued(const fs::path& file) {
   check_rows(file, 3, undisturbed);
 }
 
+// A worker's pace, by which it gets tasks at hand, counts no time that is excused, and never time to come.
+void excused_time_is_no_pace() {
+  const Work work{good_preparation, good_run};
+  const std::vector<Shared> shared(1);
+  Worker worker(work, shared);
+  worker.give({Task::Kind::prepare, 0, 0, 0});
+  CHECK(worker.take().has_value());
+  worker.give({Task::Kind::run, 0, 0, 0});
+  pause(300000);  // stopped, say
+  worker.excuse(3600);
+  CHECK(worker.take().has_value());
+  CHECK(worker.pace_s() >= 0 && worker.pace_s() < 0.1);
+}
+
 constexpr long faulty_runs = 60;
 
 Row faulty(long run, long group, std::string_view prepared) {
@@ -444,6 +458,7 @@ int main() {
   stopped(file("interrupted"), SIGINT);
   stopped(file("terminated"), SIGTERM);
   stopped_and_continued(file("continued"));
+  excused_time_is_no_pace();
   synced_in_time(file("synced"));
   disk_full(file("full"));
   two_at_once(file("twice"));
