@@ -179,6 +179,13 @@ constexpr SectionRow sections[] = {{"links", true},  {"wall", false}, {"bodies",
 std::span<const KeyRow> key_table() { return rows; }
 std::span<const SectionRow> section_table() { return sections; }
 
+const KeyRow* find_key(std::string_view section, std::string_view name) {
+  for (const KeyRow& row : key_table()) {
+    if (row.section == section && row.name == name) return &row;
+  }
+  return nullptr;
+}
+
 std::string rule_of(const KeyRow& row, const Names& names) {
   const std::string range = row.ends_excluded
                                 ? fmt::format("between {:.10g} and {:.10g}, ends excluded", row.least, row.greatest)

@@ -51,6 +51,9 @@ struct SectionRow {
 std::span<const KeyRow> key_table();
 std::span<const SectionRow> section_table();
 
+/// Null when there is no such key.
+const KeyRow* find_key(std::string_view section, std::string_view name);
+
 /// What a right value looks like: "must be a number from 0 to 1 rad".
 std::string rule_of(const KeyRow& row, const Names& names);
 

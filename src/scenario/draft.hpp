@@ -1,0 +1,59 @@
+#pragma once
+// A scenario on its way from the file's tree to what runs, and how it is said where it is wrong.
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "odeval/scenario.hpp"
+#include "scenario/scenario_keys.hpp"
+#include "scenario/toml_tree.hpp"
+
+namespace odeval {
+
+struct Draft {
+  const toml::table& tree;  // the file's, with the overrides on top
+  const std::vector<Override>& overrides;
+  const Names& names;
+  Scenario scenario;  // `file` is there from the start
+
+  enum class Blame { whole, parts };
+
+  /// The last setting that gave the value at the path, or with Blame::parts something inside it; null: the file did.
+  const Override* setting_of(std::string_view path, Blame blame = Blame::whole) const;
+
+  /// `where` is the path of the value at fault, `value` its text or empty when there is none.
+  [[noreturn]] void fail(const std::string& where, const std::string& value, const std::string& rule,
+                         Blame blame = Blame::whole) const;
+
+  /// Fails for a key or a table that another kind of problem has.
+  void refuse(const char* key) const;
+  void refuse(const char* section, const char* key) const;
+};
+
+/// "ode.erp"; without a section the name alone.
+std::string joined(std::string_view section, std::string_view name);
+
+/// A value as the user wrote it, cut for a message.
+std::string shown(const toml::node& node);
+
+// Steps of reading, each after the one before. All throw UserError of one line.
+
+/// Fills the scenario by the table of keys.
+void read_keys(Draft& draft);
+
+/// ERP and CFM, or kp and kd: both or none. The command line may replace the file's pair by the other.
+void choose_softness(Draft& draft);
+
+/// Links and start angles of a pendulum, completed.
+void settle_links(Draft& draft);
+
+/// Bodies in space, thin ones made thin.
+void settle_bodies(Draft& draft);
+
+/// A pendulum that starts clear of its wall.
+void check_start_of_links(const Draft& draft);
+
+/// Bodies where they start in the world: laid on the ground, pulled out of the joint.
+void place_bodies(Draft& draft);
+
+}  // namespace odeval

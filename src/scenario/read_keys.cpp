@@ -1,0 +1,140 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "scenario/draft.hpp"
+#include "scenario/nearest.hpp"
+
+namespace odeval {
+
+namespace {
+
+bool is_section(std::string_view name) {
+  return std::any_of(section_table().begin(), section_table().end(),
+                     [name](const SectionRow& section) { return section.name == name; });
+}
+
+// The nearest key by its full name or by its own: `erp` means `ode.erp`. Inside a list the same element is meant.
+[[noreturn]] void fail_unknown(const Draft& draft, std::string_view section, const std::string& path,
+                               std::string_view key, const toml::node& node) {
+  std::string best;
+  std::size_t least = 0;
+  for (const KeyRow& row : key_table()) {
+    const bool here = row.section == section;
+    const std::size_t distance = std::min(edit_distance(key, row.name) + (here ? 0 : 1),
+                                          edit_distance(joined(section, key), joined(row.section, row.name)));
+    if (best.empty() || distance < least) {
+      least = distance;
+      best = here ? joined(path, row.name) : joined(row.section, row.name);
+    }
+  }
+  const bool alike = least <= 1 + key.size() / 2;
+  draft.fail(joined(path, key), shown(node),
+             alike ? fmt::format("is no known key (nearest: '{}')", best) : "is no known key", Draft::Blame::parts);
+}
+
+double number_of(const Draft& draft, const KeyRow& row, const toml::node& node, const std::string& path) {
+  if (row.kind == KeyKind::whole ? node.is_integer() : node.is_number()) {
+    // A whole number beyond 2^53 is rounded; the library would have it no number at all.
+    const double number =
+        node.is_integer() ? static_cast<double>(node.as_integer()->get()) : node.as_floating_point()->get();
+    const bool inside =
+        row.ends_excluded ? number > row.least && number < row.greatest : number >= row.least && number <= row.greatest;
+    if (inside) return number;
+  }
+  KeyRow one = row;
+  if (one.kind == KeyKind::numbers) one.kind = KeyKind::number;
+  draft.fail(path, shown(node), rule_of(one, draft.names));
+}
+
+std::string word_of(const Draft& draft, const KeyRow& row, const toml::node& node, const std::string& path) {
+  const std::vector<std::string> allowed = row.allowed(draft.names);
+  const auto word = node.value<std::string>();
+  if (word && std::find(allowed.begin(), allowed.end(), *word) != allowed.end()) return *word;
+  KeyRow one = row;
+  one.kind = KeyKind::word;
+  constexpr std::size_t readable = 4;
+  if (!word || allowed.size() <= readable) draft.fail(path, shown(node), rule_of(one, draft.names));
+  draft.fail(path, shown(node), fmt::format("is not known (nearest: '{}')", nearest(*word, allowed)));
+}
+
+KeyValue value_of(const Draft& draft, const KeyRow& row, const toml::node& node, const std::string& path) {
+  KeyValue value;
+  if (row.kind == KeyKind::number || row.kind == KeyKind::whole) {
+    value.number = number_of(draft, row, node, path);
+  } else if (row.kind == KeyKind::word) {
+    value.word = word_of(draft, row, node, path);
+  } else {
+    const toml::array* list = node.as_array();
+    if (list == nullptr || (row.count != 0 && list->size() != row.count)) {
+      draft.fail(path, shown(node), rule_of(row, draft.names));
+    }
+    for (std::size_t i = 0; i < list->size(); ++i) {
+      const std::string element = fmt::format("{}.{}", path, i);
+      if (row.kind == KeyKind::numbers) {
+        value.numbers.push_back(number_of(draft, row, (*list)[i], element));
+      } else {
+        value.words.push_back(word_of(draft, row, (*list)[i], element));
+      }
+    }
+  }
+  return value;
+}
+
+/// Reads one table: `section` names its rows, `path` says where it stands ("links.0").
+void read_table(Draft& draft, const toml::table& table, std::string_view section, const std::string& path) {
+  for (const auto& [key, node] : table) {
+    const KeyRow* row = find_key(section, key.str());
+    if (row != nullptr) {
+      row->put(draft.scenario, value_of(draft, *row, node, joined(path, key.str())));
+    } else if (!(section.empty() && is_section(key.str()))) {
+      fail_unknown(draft, section, path, key.str(), node);
+    }
+  }
+  for (const KeyRow& row : key_table()) {
+    if (row.section == section && row.required() && !table.contains(row.name)) {
+      draft.fail(joined(path, row.name), "", fmt::format("is missing; it {}", rule_of(row, draft.names)));
+    }
+  }
+}
+
+void read_section(Draft& draft, const SectionRow& section, const toml::node& node) {
+  const std::string name(section.name);
+  if (!section.list) {
+    const toml::table* table = node.as_table();
+    if (table == nullptr) draft.fail(name, shown(node), fmt::format("must be a table [{}]", name));
+    if (name == "wall") draft.scenario.wall.emplace();
+    if (name == "ground") draft.scenario.ground.emplace();
+    if (name == "joint") draft.scenario.joint.emplace();
+    read_table(draft, *table, name, name);
+    return;
+  }
+  const toml::array* list = node.as_array();
+  if (list == nullptr) draft.fail(name, shown(node), fmt::format("must be tables [[{}]]", name));
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    const std::string path = fmt::format("{}.{}", name, i);
+    const toml::table* table = (*list)[i].as_table();
+    if (table == nullptr) draft.fail(path, shown((*list)[i]), fmt::format("must be a table [[{}]]", name));
+    if (name == "links") {
+      draft.scenario.links.emplace_back();
+    } else if (name == "bodies") {
+      draft.scenario.bodies.emplace_back();
+    } else {
+      draft.scenario.tolerances.emplace_back();
+    }
+    read_table(draft, *table, name, path);
+  }
+}
+
+}  // namespace
+
+void read_keys(Draft& draft) {
+  read_table(draft, draft.tree, "", "");
+  for (const SectionRow& section : section_table()) {
+    if (const toml::node* node = draft.tree.get(section.name)) read_section(draft, section, *node);
+  }
+}
+
+}  // namespace odeval
