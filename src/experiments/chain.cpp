@@ -28,19 +28,6 @@ constexpr const char* steppers[] = {"ode-step-double", "ode-quickstep-double", "
 constexpr const char* timed[] = {"ode-step-double", "ode-quickstep-double", "ode-rk4-double", "lagrange-cvode"};
 constexpr int rounds = 3;
 
-constexpr double row_spacing_s = 0.02;
-
-Scenario chain_of(const Scenario& file, std::size_t n) {
-  Scenario scenario = file;
-  scenario.n = static_cast<int>(n);
-  scenario.links.resize(n, file.links.front());
-  scenario.q0.resize(n, 0.0);
-  scenario.qd0.resize(n, 0.0);
-  scenario.duration_s = until_s;
-  scenario.sample_s = row_spacing_s;  // condition numbers of long chains cost more than the chain
-  return scenario;
-}
-
 /// What is plotted over n: one value a size.
 struct Growth {
   std::string name;
@@ -76,12 +63,12 @@ Errors measure_errors(const Scenario& file) {
       {},
       fmt::format("Errors are the largest of all angles at rows {} s apart (odeval run looks at every step); condition "
                   "numbers (1-norm) are medians over them.",
-                  row_spacing_s)};
+                  chain_rows_s)};
   for (const char* stepper : steppers) result.errors.push_back({stepper, "error", {}, colour_of(stepper)});
   result.conditions = {{"generalized: mass matrix", "condition", {}, colour_of("lagrange-cvode")},
                        {"Cartesian: ODE's system matrix", "condition", {}, colour_of("ode-step-double")}};
   for (const std::size_t n : error_sizes) {
-    Evaluator evaluator(chain_of(file, n));
+    Evaluator evaluator(chain_of(file, n, until_s));
     const double doubt = evaluator.reference().uncertainty_q.back();
     std::vector<Cell> row{static_cast<double>(n)};
     double condition[2] = {};
@@ -89,7 +76,7 @@ Errors measure_errors(const Scenario& file) {
       const Evaluation run = evaluator.evaluate(*available(steppers[i]));
       const double error = error_until(evaluator, run, until_s);
       result.errors[i].points.push_back({static_cast<double>(n), error, doubt});
-      row.push_back(std::isfinite(error) ? Cell(error) : Cell(Missing{"the run blew up"}));
+      row.push_back(finite_cell(error));
       if (i == 0) condition[1] = median(run.trace.condition);
       if (i == 3) condition[0] = median(run.trace.condition);
     }
@@ -122,11 +109,11 @@ Costs measure_costs(const Scenario& file) {
                               file.ode.iterations)};
   for (const char* method : timed) result.costs.push_back({method, "cost", {}, colour_of(method)});
   for (const std::size_t n : cost_sizes) {
-    Scenario steps = chain_of(file, n);
+    Scenario steps = chain_of(file, n, until_s);
     steps.sample_s.reset();
     steps.duration_s = static_cast<double>(steps_of(n)) * steps.step_s;
     const Evaluator few(steps);
-    const Evaluator whole(chain_of(file, n));
+    const Evaluator whole(chain_of(file, n, until_s));
     std::vector<catalogue::TimedRun> runs;
     for (const char* method : timed) {
       const bool reference = std::string_view(method) == catalogue::reference_method;

@@ -41,11 +41,6 @@ OdeSettings with_erp(OdeSettings settings, double erp) {
   return settings;
 }
 
-OdeSettings half_step(OdeSettings settings) {
-  settings.start = Start::half_step;
-  return settings;
-}
-
 /// One way to step, at the steps of the ladder.
 struct Ladder {
   std::string label;
@@ -65,7 +60,7 @@ Ladder ladder(const Scenario& file, const Method& method, const OdeSettings& set
     const Evaluation usual = evaluator.evaluate(method, settings);
     ladder.error.push_back(error_until(evaluator, usual, 1));
     ladder.gap.push_back(evaluator.measure(usual, 1).max_gap.value_or(NAN));
-    ladder.half_started.push_back(error_until(evaluator, evaluator.evaluate(method, half_step(settings)), 1));
+    ladder.half_started.push_back(error_until(evaluator, evaluator.evaluate(method, half_step_started(settings)), 1));
   }
   return ladder;
 }

@@ -50,15 +50,10 @@ Scenario short_run(const Scenario& file, const Case& which, double step_s) {
   return scenario;
 }
 
-OdeSettings half_step(OdeSettings settings) {
-  settings.start = Start::half_step;
-  return settings;
-}
-
 Run measure_one(const Scenario& file, const Case& which, double step_s) {
   Evaluator evaluator(short_run(file, which, step_s));
   const Evaluation usual = evaluator.evaluate(*available(method));
-  const Evaluation started = evaluator.evaluate(*available(method), half_step(file.ode));
+  const Evaluation started = evaluator.evaluate(*available(method), half_step_started(file.ode));
   return {step_s, error_until(evaluator, usual, until_s), error_until(evaluator, started, until_s),
           uncertainty_until(evaluator, usual, until_s),
           best_time_shift(usual.trace, evaluator.reference().trace, until_s, 2 * step_s).value()};
@@ -189,7 +184,7 @@ void add_impacts(report::Table& table, const Scenario& file, const char* unit) {
     Evaluator evaluator(scenario);
     const std::vector<Impact>& impacts = evaluator.reference().impacts;
     const Trace usual = evaluator.evaluate(*available(method)).trace;
-    const Trace started = evaluator.evaluate(*available(method), half_step(file.ode)).trace;
+    const Trace started = evaluator.evaluate(*available(method), half_step_started(file.ode)).trace;
     const Reference& reference = evaluator.reference();
     const Column& doubts = reference.uncertainty_q.empty() ? reference.uncertainty_position : reference.uncertainty_q;
     const double doubt = std::ranges::max(doubts);

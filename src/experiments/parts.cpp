@@ -111,6 +111,11 @@ Finding unavailable(std::string meaning, std::string unit, std::string why) {
   return {std::move(meaning), std::move(unit), std::nullopt, 0, std::move(why)};
 }
 
+report::Cell finite_cell(const std::optional<double>& number) {
+  if (number && std::isfinite(*number)) return *number;
+  return report::Missing{"the run blew up"};
+}
+
 std::vector<report::Cell> row_left_out(std::vector<report::Cell> known, std::size_t columns) {
   known.resize(columns, report::Missing{std::string(catalogue::why_missing)});
   return known;
@@ -143,6 +148,22 @@ std::string reference_known(Evaluator& evaluator, std::initializer_list<double> 
                         shown(std::ranges::max(known)), time);
   }
   return text + ".";
+}
+
+OdeSettings half_step_started(OdeSettings settings) {
+  settings.start = Start::half_step;
+  return settings;
+}
+
+Scenario chain_of(const Scenario& file, std::size_t n, double until_s) {
+  Scenario scenario = file;
+  scenario.n = static_cast<int>(n);
+  scenario.links.resize(n, file.links.front());
+  scenario.q0.resize(n, 0.0);
+  scenario.qd0.resize(n, 0.0);
+  scenario.duration_s = until_s;
+  scenario.sample_s = chain_rows_s;
+  return scenario;
 }
 
 }  // namespace odeval::experiments

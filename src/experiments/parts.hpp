@@ -55,6 +55,9 @@ report::Finding measured_ratio(std::string meaning, double a, double b, double d
 
 report::Finding unavailable(std::string meaning, std::string unit, std::string why);
 
+/// The number, or that the run blew up.
+report::Cell finite_cell(const std::optional<double>& number);
+
 /// A row of a method that this build lacks, from the cells that are known to `columns` of them.
 std::vector<report::Cell> row_left_out(std::vector<report::Cell> known, std::size_t columns);
 
@@ -67,5 +70,11 @@ double uncertainty_until(catalogue::Evaluator& evaluator, const catalogue::Evalu
 
 /// For the note of a table of errors: a sentence, with a space before it, on how far the reference may be off.
 std::string reference_known(catalogue::Evaluator& evaluator, std::initializer_list<double> until_s);
+
+OdeSettings half_step_started(OdeSettings settings);
+
+/// The scenario `chain` with n links, its rows far apart: condition numbers of long chains cost more than the chain.
+inline constexpr double chain_rows_s = 0.02;
+Scenario chain_of(const Scenario& file, std::size_t n, double until_s);
 
 }  // namespace odeval::experiments

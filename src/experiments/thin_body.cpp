@@ -24,11 +24,6 @@ constexpr const char* thin_methods[] = {"ode-step-single", "ode-step-double", "o
 
 const char* word(bool gyroscopic) { return gyroscopic ? "on" : "off"; }
 
-Cell finite(const std::optional<double>& number) {
-  if (number && std::isfinite(*number)) return *number;
-  return report::Missing{"the run blew up"};
-}
-
 double own_spin(const Scenario& scenario) {
   const Vec3& spin = scenario.bodies[0].spin_rad_s;
   return std::sqrt(dot(spin, spin));
@@ -108,10 +103,11 @@ SpinUp spin_up(const Scenario& file, Findings& findings) {
         const Metrics metrics = evaluator.measure(evaluator.evaluate(*method, settings), scenario.duration_s);
         if (judged) add_finding(findings, precision, &metrics, own);
         const double spin = metrics.max_long_axis_spin.value_or(NAN);
-        result.table.rows.push_back(
-            {fmt::format("{}", aspect), moments[0] / moments[2], std::string(name), std::string(word(gyroscopic)),
-             finite(spin), finite(spin / own), *metrics.spin_uncertainty, finite(metrics.max_error_turn),
-             *metrics.turn_uncertainty, finite(metrics.max_energy_drift), finite(metrics.max_angular_momentum_drift)});
+        result.table.rows.push_back({fmt::format("{}", aspect), moments[0] / moments[2], std::string(name),
+                                     std::string(word(gyroscopic)), finite_cell(spin), finite_cell(spin / own),
+                                     *metrics.spin_uncertainty, finite_cell(metrics.max_error_turn),
+                                     *metrics.turn_uncertainty, finite_cell(metrics.max_energy_drift),
+                                     finite_cell(metrics.max_angular_momentum_drift)});
         if (!big_matrix) continue;
         const std::string label = fmt::format("{} precision, gyroscopic term {}", precision, word(gyroscopic));
         report::Series& curve = series[label];
@@ -147,8 +143,8 @@ report::Table spin_kept(const Scenario& file) {
         const Evaluation run = evaluator.evaluate(*available(name), settings);
         const Metrics metrics = evaluator.measure(run, evaluator.scenario().duration_s);
         table.rows.push_back({fmt::format("{}", aspect), std::string(name), std::string(word(gyroscopic)),
-                              finite(run.trace.long_axis_spin[0].back()), *metrics.spin_uncertainty,
-                              finite(metrics.max_error_turn), *metrics.turn_uncertainty});
+                              finite_cell(run.trace.long_axis_spin[0].back()), *metrics.spin_uncertainty,
+                              finite_cell(metrics.max_error_turn), *metrics.turn_uncertainty});
       }
     }
   }
@@ -170,11 +166,11 @@ report::Table orders_of_operations(const Scenario& file) {
     const Scenario& scenario = evaluator.scenario();
     std::vector<Cell> row{fmt::format("{}", aspect), report::Missing{std::string(catalogue::why_missing)}};
     if (single != nullptr) {
-      row[1] = finite(evaluator.measure(evaluator.evaluate(*single), scenario.duration_s).max_long_axis_spin);
+      row[1] = finite_cell(evaluator.measure(evaluator.evaluate(*single), scenario.duration_s).max_long_axis_spin);
     }
     for (const GyroscopicForm form : {GyroscopicForm::as_ode, GyroscopicForm::solved, GyroscopicForm::in_body_frame}) {
-      row.push_back(finite(reference::long_axis_spin_in_single(scenario.bodies[0], scenario.step_s,
-                                                               sample_grid(scenario).steps(), form)));
+      row.push_back(finite_cell(reference::long_axis_spin_in_single(scenario.bodies[0], scenario.step_s,
+                                                                    sample_grid(scenario).steps(), form)));
     }
     table.rows.push_back(std::move(row));
   }
@@ -212,9 +208,9 @@ report::Table thin_links(Laboratory& laboratory) {
           settings.gyroscopic = gyroscopic;
           const Metrics metrics = evaluator.measure(evaluator.evaluate(*method, settings), swing_s);
           table.rows.push_back({std::string(name), fmt::format("{}", aspect), std::string(method_name),
-                                std::string(word(gyroscopic)), finite(metrics.max_long_axis_spin),
-                                finite(metrics.max_out_of_plane), finite(metrics.max_error_q),
-                                *metrics.reference_uncertainty, finite(metrics.max_energy_drift)});
+                                std::string(word(gyroscopic)), finite_cell(metrics.max_long_axis_spin),
+                                finite_cell(metrics.max_out_of_plane), finite_cell(metrics.max_error_q),
+                                *metrics.reference_uncertainty, finite_cell(metrics.max_energy_drift)});
         }
       }
     }

@@ -1,0 +1,88 @@
+#include "experiments/quickstep_runs.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "experiments/parts.hpp"
+
+namespace odeval::experiments {
+namespace {
+
+using catalogue::Evaluation;
+using catalogue::Evaluator;
+
+constexpr double over_relaxations[] = {1.0, 1.3, 1.6};
+constexpr std::string_view big_matrix = "ode-step-double";
+constexpr std::string_view iterative_method = "ode-quickstep-double";
+
+QuickRun quick_run(Evaluator& evaluator, std::string_view method, const OdeSettings& settings, double until_s) {
+  const Evaluation run = evaluator.evaluate(*available(method), settings);
+  const Metrics metrics = evaluator.measure(run, until_s);
+  return {settings.iterations,
+          settings.sor_w,
+          metrics.max_error_q.value_or(NAN),
+          metrics.max_gap.value_or(NAN),
+          run.cpu_s / static_cast<double>(run.outcome.steps),
+          metrics.reference_uncertainty.value_or(NAN)};
+}
+
+}  // namespace
+
+QuickRuns quickstep_runs(Evaluator& evaluator, std::span<const int> iterations, double until_s) {
+  OdeSettings settings = evaluator.scenario().ode;
+  QuickRuns runs{quick_run(evaluator, big_matrix, settings, until_s),
+                 quick_run(evaluator, iterative_method, settings, until_s),
+                 {}};
+  for (const double over_relaxation : over_relaxations) {
+    for (const int count : iterations) {
+      settings.iterations = count;
+      settings.sor_w = over_relaxation;
+      runs.iterative.push_back(quick_run(evaluator, iterative_method, settings, until_s));
+    }
+  }
+  return runs;
+}
+
+report::Finding QuickRuns::error_ratio(std::string meaning) const {
+  return measured_ratio(std::move(meaning), as_set.error, direct.error, as_set.doubt, direct.doubt);
+}
+
+report::Table QuickRuns::table(std::string name, std::string title, std::string note) const {
+  report::Table table{std::move(name),
+                      std::move(title),
+                      {"method", "iterations", "over-relaxation", "angle error, rad", "error over dWorldStep's",
+                       "largest gap, m", "CPU time a step, s"},
+                      {{std::string(big_matrix), std::string("direct"), std::string("-"), direct.error, 1.0, direct.gap,
+                        direct.a_step_s}},
+                      std::move(note)};
+  for (const QuickRun& run : iterative) {
+    table.rows.push_back({std::string(iterative_method), static_cast<double>(run.iterations), run.over_relaxation,
+                          finite_cell(run.error), finite_cell(run.error / direct.error), finite_cell(run.gap),
+                          run.a_step_s});
+  }
+  return table;
+}
+
+report::Panel QuickRuns::panel(std::string x_label, const std::function<double(const QuickRun&)>& x,
+                               std::string y_label, const std::function<double(const QuickRun&)>& y) const {
+  report::Panel panel{.x_label = std::move(x_label), .y_label = std::move(y_label), .log_x = true, .log_y = true};
+  for (const double over_relaxation : over_relaxations) {
+    report::Series series{fmt::format("over-relaxation {}", over_relaxation), {}, {}, report::Mark::line_and_points};
+    for (const QuickRun& run : iterative) {
+      if (run.over_relaxation != over_relaxation) continue;
+      series.x.push_back(x(run));
+      series.y.push_back(y(run));
+    }
+    panel.series.push_back(std::move(series));
+  }
+  return panel;
+}
+
+report::Series direct_level(const QuickRuns& runs, double level) {
+  const Column ends{static_cast<double>(runs.iterative.front().iterations),
+                    static_cast<double>(runs.iterative.back().iterations)};
+  return curve("dWorldStep", ends, {level, level}, guide_colour, true);
+}
+
+}  // namespace odeval::experiments

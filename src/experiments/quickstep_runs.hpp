@@ -1,0 +1,42 @@
+#pragma once
+// One motion by dWorldStep and by QuickStep over its iterations and over-relaxation.
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "experiments/experiment.hpp"
+
+namespace odeval::experiments {
+
+struct QuickRun {
+  int iterations;
+  double over_relaxation;
+  double error;     // largest of an angle, rad; NaN when the run blew up
+  double gap;       // largest in a joint, m; likewise
+  double a_step_s;  // CPU time
+  double doubt;     // of the reference, rad
+};
+
+struct QuickRuns {
+  QuickRun direct;  // dWorldStep
+  QuickRun as_set;  // QuickStep with the scenario's own settings
+  std::vector<QuickRun> iterative;
+
+  /// The error of QuickStep as set over dWorldStep's.
+  report::Finding error_ratio(std::string meaning) const;
+
+  report::Table table(std::string name, std::string title, std::string note) const;
+
+  /// One curve an over-relaxation, on logarithmic axes.
+  report::Panel panel(std::string x_label, const std::function<double(const QuickRun&)>& x, std::string y_label,
+                      const std::function<double(const QuickRun&)>& y) const;
+};
+
+/// Each until the time, s.
+QuickRuns quickstep_runs(catalogue::Evaluator& evaluator, std::span<const int> iterations, double until_s);
+
+/// A level of dWorldStep's over all iterations.
+report::Series direct_level(const QuickRuns& runs, double level);
+
+}  // namespace odeval::experiments
