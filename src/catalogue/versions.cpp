@@ -8,6 +8,7 @@
 #include "engine_ode/module.hpp"
 #include "reference/boost_version.hpp"
 #include "reference/cvode_solver.hpp"
+#include "sources_digest.hpp"
 
 namespace odeval::catalogue {
 namespace {
@@ -34,6 +35,7 @@ NamedTexts versions() {
   const std::string single = "not in this build";
 #endif
   return {{"odeval", ODEVAL_VERSION},
+          {"sources", ODEVAL_SOURCES},
           {"ode_double", described(engine_ode::odeval_ode_double())},
           {"ode_single", single},
           {"sundials", reference::CvodeSolver::version()},

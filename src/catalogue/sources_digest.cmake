@@ -1,0 +1,11 @@
+# Writes HEADER: ODEVAL_SOURCES, 12 digits of a checksum over what is compiled below SOURCE_DIR.
+file(GLOB_RECURSE files RELATIVE ${SOURCE_DIR} ${SOURCE_DIR}/include/* ${SOURCE_DIR}/reference/*.?pp ${SOURCE_DIR}/src/*)
+list(SORT files)
+set(digests "")
+foreach(file IN LISTS files)
+  file(SHA256 ${SOURCE_DIR}/${file} digest)
+  string(APPEND digests "${file} ${digest}\n")
+endforeach()
+string(SHA256 digest "${digests}")
+string(SUBSTRING ${digest} 0 12 digest)
+file(WRITE ${HEADER} "#define ODEVAL_SOURCES \"${digest}\"\n")
