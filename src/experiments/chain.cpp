@@ -133,7 +133,7 @@ Costs measure_costs(const Scenario& file) {
 }
 
 /// How wrong dWorldStep is about the forces in its joints (dJointFeedback), beside the reference's multipliers.
-report::Table joint_forces(Laboratory& laboratory) {
+report::Table joint_forces(Laboratory& laboratory, Findings& findings) {
   report::Table table{
       "joint-forces",
       "Forces in the joints until 1 s, dWorldStep",
@@ -163,6 +163,12 @@ report::Table joint_forces(Laboratory& laboratory) {
         rows.push_back({std::string(name), cfm, step_s, largest, error,
                         std::isnan(finer) ? Cell(Missing{"the finest step"}) : Cell(error / finer),
                         metrics.max_out_of_plane.value_or(NAN)});
+        if (step_s == 5e-4) {
+          findings.add(fmt::format("chain.force_error_halved_{}{}", name, cfm == 0 ? "_rigid" : ""),
+                       measured(fmt::format("error of joint forces at h = {} s over that at half the step, {}, CFM {}",
+                                            step_s, name, cfm),
+                                "", error / finer));
+        }
         finer = error;
       }
       table.rows.insert(table.rows.end(), rows.rbegin(), rows.rend());
@@ -256,7 +262,7 @@ Section chain(Laboratory& laboratory, Findings& findings) {
   section.blocks.emplace_back(errors.table);
   section.blocks.emplace_back(costs.table);
   section.blocks.emplace_back(std::move(exponents));
-  section.blocks.emplace_back(joint_forces(laboratory));
+  section.blocks.emplace_back(joint_forces(laboratory, findings));
   return section;
 }
 

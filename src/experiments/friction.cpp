@@ -138,7 +138,12 @@ Section friction(Laboratory& laboratory, Findings& findings) {
       turned.x.push_back(direction);
       turned.y.push_back(slid.turned_deg);
       if (&how == &cases[0] && direction == 0) straight = slid.way;
-      if (&how == &cases[0] && direction == 45) diagonal = slid.way;
+      if (&how == &cases[0] && direction == 45) {
+        diagonal = slid.way;
+        findings.add("friction.stop_at_45",
+                     measured("time to a stop at 45 degrees to the axes of the pyramid over Coulomb's", "",
+                              slid.stops_s / slid.true_stops_s, scenario.step_s / slid.true_stops_s));
+      }
       doubt = std::max(doubt, slid.doubt);
     }
     ways.series.push_back(std::move(way));
