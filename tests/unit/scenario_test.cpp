@@ -348,6 +348,13 @@ void a_link_may_not_start_inside_the_wall() {
   // Past the vertical a corner of the far end: 1 + cos 2 - 0.05 sin 2.
   CHECK_THROWS(with(wall, "q0", "[-2.0]"), UserError, "--set q0=[-2.0]: q0 puts the link into the wall");
   CHECK_THROWS(with(wall, "q0", "[2.0]"), UserError, "may be at most 0.538388 m");
+  // Two balls, hinge at x = 0: the first at 1/2, the second, at -120 degrees from there, at 0, and half a width nearer.
+  const std::string ball = "[[links]]\nshape = \"sphere\"\nmass = 1\nlength = 1\nwidth = 0.1\n";
+  const std::string balls =
+      "problem = \"potra_pendulum\"\nduration = 1\nq0 = [-1.0471975511965976, -1.0471975511965976]\nqd0 = [0, 0]\n" +
+      ball + ball + "[wall]\nface = -0.0500001\n";
+  CHECK_EQUAL(read(balls).wall->face_m, -0.0500001);
+  CHECK_THROWS(with(balls, "wall.face", "-0.0499999"), UserError, "must be at most -0.05 m");
 }
 
 void files_that_are_no_scenarios() {
@@ -469,11 +476,53 @@ void joints() {
   CHECK_NEAR(scenario.joint->axis[2], 0.8, 1e-16);
   CHECK_EQUAL(scenario.bodies[0].position_m[2], 2.5);  // displaced
   CHECK_EQUAL(scenario.joint->anchor_m[2], 1.0);
+  const Scenario two = read(text + body + body + joint);
+  CHECK_EQUAL(two.bodies[0].position_m[2], 2.5);
+  CHECK_EQUAL(two.bodies[1].position_m[2], 2.0);  // the first alone
   CHECK_THROWS(read(text + body), UserError, "x.toml: joint is missing; spring_joint needs [joint]");
   CHECK_THROWS(read(text + body + body + body + joint), UserError, "must be one table [[bodies]] or two");
   CHECK_THROWS(with(text + body + joint, "joint.axis", "[0, 0, 0]"), UserError, "joint.axis must have a direction");
   CHECK_THROWS(with(text + body + joint, "joint.kind", "slider"), UserError, "must be one of ball, hinge");
   CHECK_THROWS(read(single + joint), UserError, "joint has no meaning for single_pendulum");
+}
+
+/// By Rodrigues' formula.
+Vec3 turned(const Vec3& v, const Vec3& turn) {
+  const double angle = std::sqrt(dot(turn, turn));
+  const Vec3 axis{turn[0] / angle, turn[1] / angle, turn[2] / angle};
+  const Vec3 across = cross(axis, v);
+  Vec3 to{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    to[k] = v[k] * std::cos(angle) + across[k] * std::sin(angle) + axis[k] * dot(axis, v) * (1 - std::cos(angle));
+  }
+  return to;
+}
+
+// What the file says along the ground stands in the world as one turn about y puts it there: downhill is +x and falls.
+void bodies_are_laid_on_the_ground() {
+  const Scenario scenario = read(
+      "problem = \"friction_slide\"\nduration = 1\n[[bodies]]\nmass = 1\nsize = [0.4, 0.2, 0.1]\n"
+      "position = [1, 2, 3]\nturn = [0.3, -0.5, 0.8]\nvelocity = [4, 5, 6]\nspin = [7, 8, 9]\n[ground]\nslope = 0.4\n");
+  const Vec3 slope{0, 0.4, 0};
+  const Body& body = scenario.bodies[0];
+  constexpr double rounding = 1e-14;  // a few roundings of numbers up to 11
+  for (std::size_t k = 0; k < 3; ++k) {
+    CHECK_NEAR(body.position_m[k], turned({1, 2, 3}, slope)[k], rounding);
+    CHECK_NEAR(body.velocity_m_s[k], turned({4, 5, 6}, slope)[k], rounding);
+    CHECK_NEAR(body.spin_rad_s[k], turned({7, 8, 9}, slope)[k], rounding);
+    for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) {
+      CHECK_NEAR(turned(axis, body.turn_rad)[k], turned(turned(axis, {0.3, -0.5, 0.8}), slope)[k], rounding);
+    }
+  }
+  CHECK(body.position_m[2] < 3);
+}
+
+void aspect_makes_two_sides_thin() {
+  const Scenario scenario =
+      read("problem = \"thin_body\"\nduration = 1\n[[bodies]]\nmass = 1\nsize = [0.5, 0.2, 1.0]\naspect = 10\n");
+  CHECK_EQUAL(scenario.bodies[0].size_m[0], 0.05);
+  CHECK_EQUAL(scenario.bodies[0].size_m[1], 0.02);
+  CHECK_EQUAL(scenario.bodies[0].size_m[2], 1.0);
 }
 
 void nearest_words() {
@@ -506,5 +555,7 @@ int main() {
   nearest_words();
   springs_take_the_place_of_erp_and_cfm();
   joints();
+  bodies_are_laid_on_the_ground();
+  aspect_makes_two_sides_thin();
   return odeval::test::verdict();
 }
