@@ -1,10 +1,10 @@
-# Writes HEADER: ODEVAL_SOURCES, 12 digits of a checksum over what is compiled below SOURCE_DIR.
-file(GLOB_RECURSE files RELATIVE ${SOURCE_DIR} ${SOURCE_DIR}/include/* ${SOURCE_DIR}/reference/*.?pp ${SOURCE_DIR}/src/*)
-list(SORT files)
+# Writes HEADER: ODEVAL_SOURCES, 12 digits of a checksum over the files of LIST and their names below SOURCE_DIR.
+file(READ ${LIST} files)
 set(digests "")
 foreach(file IN LISTS files)
-  file(SHA256 ${SOURCE_DIR}/${file} digest)
-  string(APPEND digests "${file} ${digest}\n")
+  file(RELATIVE_PATH name ${SOURCE_DIR} ${file})
+  file(SHA256 ${file} digest)
+  string(APPEND digests "${name} ${digest}\n")
 endforeach()
 string(SHA256 digest "${digests}")
 string(SUBSTRING ${digest} 0 12 digest)
