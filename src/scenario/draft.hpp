@@ -36,7 +36,8 @@ std::string joined(std::string_view section, std::string_view name);
 /// A value as the user wrote it, cut for a message.
 std::string shown(const toml::node& node);
 
-// Steps of reading, each after the one before. All throw UserError of one line.
+// Steps of reading in their order; those of links are for pendulums, those of bodies for all else. All throw UserError
+// of one line.
 
 /// Fills the scenario by the table of keys.
 void read_keys(Draft& draft);
@@ -53,7 +54,7 @@ void settle_bodies(Draft& draft);
 /// A pendulum that starts clear of its wall.
 void check_start_of_links(const Draft& draft);
 
-/// Bodies where they start in the world: laid on the ground, pulled out of the joint.
+/// Bodies where they start in the world: laid on the ground, pulled out of the joint, which is checked before.
 void place_bodies(Draft& draft);
 
 }  // namespace odeval

@@ -2,19 +2,22 @@
 //
 //   odeval-sweep-throughput [ROUNDS [SECONDS]]
 //
-// Real runs of the double pendulum (ode-step-double) of three lengths. Four parties do the same runs without end: a
-// bare loop with everything at hand (reference, scenarios read), two such loops in two processes, a sweep with one
-// worker and a sweep with two, journal and all. Only one party is awake at a time (the others are stopped by SIGSTOP):
-// in each round each gets SECONDS, in turn, so that whatever else happens on the machine falls on all of them alike.
-// Who works alone is held to one of two processors, the other one in the next round: one processor may well be slower
-// than the other for a while. What a sweep pays once (processes, the reference) is over before the count begins. Prints
-// what the whole of the rounds gives, and as +- the standard error of the mean over ten parts of them; judges nothing.
+// Real runs of the double pendulum (ode-step-double) of three lengths, over ERP, on which no time depends. Four parties
+// do such runs without end: a bare loop with everything at hand (reference, scenarios read), two such loops in two
+// processes, a sweep with one worker and a sweep with two, journal and all. Only one party is awake at a time (the
+// others are stopped by SIGSTOP): in each round each gets SECONDS, in turn, so that whatever else happens on the
+// machine falls on all of them alike. Who works alone is held to one of two processors, the other one in the next
+// round: one processor may well be slower than the other for a while. What a sweep pays once (processes, the reference)
+// is over before the count begins. Prints what the whole of the rounds gives, and as +- the standard error of the mean
+// over ten parts of them; judges nothing.
 //
 //   bare         time of a run in the bare loop
-//   machine      runs of two bare loops over those of one: the most that can be had here and now, what this machine
-//                gives two processes that have nothing to do with each other
+//   machine      runs of two bare loops over those of one: what this machine, here and now, gives two processes that
+//                have nothing to do with each other
 //   throughput   runs of two workers over those of one
-//   overhead     time of a run with one worker beyond that of the bare loop
+//   overhead     time of a run with one worker beyond that of the bare loop; the sweep's own process may use another
+//                processor than its worker, and what it does there meanwhile does not show
+//   load         processes that wanted to run in the last minute, these among them
 #include <fmt/format.h>
 #include <malloc.h>
 #include <sched.h>
@@ -212,7 +215,9 @@ void measure(const Case& wanted, std::size_t rounds, double seconds, const fs::p
   const Party bare_one([&](Count& done) { loop(done, &processor); });
   const Party bare_two([&](Count& done) {
     const pid_t leader = ::getpid();
-    if (::fork() == 0) {
+    const pid_t second = ::fork();
+    if (second < 0) throw MachineError("no process for the second loop");
+    if (second == 0) {
       ::prctl(PR_SET_PDEATHSIG, SIGKILL);
       if (::getppid() != leader) return;
     }
