@@ -38,11 +38,13 @@ struct Options {
 
 constexpr long most_steps_of_a_search = 1'000'000;
 constexpr int timed_rounds = 5;
+constexpr double greatest_error = 1;  // rad
 // From the setting that keeps the error at the rows of the search to the one that keeps all of the budget at every
 // step: a little finer or much, but no more than so much at a time.
 constexpr int most_attempts = 24;
 constexpr double finer = 0.93;
 constexpr double farthest = 0.125;
+constexpr double grain = 0.02;  // between a step that keeps the budget and one that does not
 constexpr double helps = 0.98;  // an excess that falls by less is no matter of the setting
 
 /// A method with settings that were tried, as `odeval run` would do it.
@@ -132,7 +134,7 @@ class Search {
     double excess_before = std::numeric_limits<double>::infinity();
     for (int attempt = 0; attempt < most_attempts; ++attempt) {
       run(candidate, scenario);
-      if (keeps(candidate)) return candidate;
+      if (keeps(candidate)) return coarsest(std::move(candidate), scenario, accuracy.row_spacing_s());
       const double excess = excess_of(candidate);
       const double factor = finer_by(method, excess);
       if (factor == 1 || !(excess < helps * excess_before)) break;
@@ -151,6 +153,42 @@ class Search {
   }
 
  private:
+  /// The search knows few large steps, those that fit its rows: between them, and above, by whole numbers of steps.
+  Candidate coarsest(Candidate kept, const Scenario& scenario, double row_spacing_s) const {
+    const bool steps = catalogue::knob_of(*kept.method) == catalogue::Knob::step;
+    if (!steps || kept.setting < grain * row_spacing_s) return kept;
+    const auto with_steps = [&](long number) {
+      Candidate candidate;
+      candidate.method = kept.method;
+      candidate.start = kept.start;
+      candidate.setting = options_.until / static_cast<double>(number);
+      run(candidate, scenario);
+      return candidate;
+    };
+    long enough = std::lround(std::ceil(options_.until / kept.setting * (1 - 1e-12)));
+    long too_few = 0;
+    for (long fewer = enough / 2; fewer > 0; fewer /= 2) {
+      Candidate candidate = with_steps(fewer);
+      if (!keeps(candidate)) {
+        too_few = fewer;
+        break;
+      }
+      kept = std::move(candidate);
+      enough = fewer;
+    }
+    while (enough - too_few > std::max(1L, std::lround(grain * static_cast<double>(enough)))) {
+      const long middle = (enough + too_few) / 2;
+      Candidate candidate = with_steps(middle);
+      if (keeps(candidate)) {
+        kept = std::move(candidate);
+        enough = middle;
+      } else {
+        too_few = middle;
+      }
+    }
+    return kept;
+  }
+
   void run(Candidate& candidate, Scenario scenario) const {
     scenario.duration_s = options_.until;
     scenario.tolerances.clear();
@@ -258,9 +296,10 @@ int recommend(const Options& options) {
   const auto methods = chosen_methods(options.methods, scenario);
   const double doubt = catalogue::Accuracy(scenario, options.until).doubt();
   if (doubt > options.max_error) {
-    throw UserError(fmt::format("--max-error {}: must be above what the reference of '{}' knows until {} s, {} rad",
-                                number_text(options.max_error), scenario.name, number_text(options.until),
-                                number_text(doubt)));
+    throw UserError(fmt::format(
+        "--max-error {}: the reference of '{}' knows the angles to {} rad until {} s; {}take a shorter --until",
+        number_text(options.max_error), scenario.name, three_digits(doubt), number_text(options.until),
+        doubt < greatest_error ? "ask for more, or " : ""));
   }
 
   std::vector<Candidate> candidates;
@@ -327,7 +366,7 @@ Action attach_recommend(CLI::App& app) {
   app.add_option("--max-error", options->max_error, "largest angle error allowed, rad")
       ->type_name("E")
       ->required()
-      ->check(number_within(1e-15, 1.0));
+      ->check(number_within(1e-15, greatest_error));
   app.add_option("--until", options->until, "until when, s")
       ->type_name("T")
       ->required()

@@ -142,7 +142,8 @@ std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::stri
       missing += (missing.empty() ? "" : ", ") + std::string(method.name);
     }
   }
-  if (!missing.empty()) std::cerr << "odeval: " << scenario.name << ": left out: " << missing << "; " << catalogue::why_missing << '\n';
+  if (!missing.empty())
+    std::cerr << "odeval: " << scenario.name << ": left out: " << missing << "; " << catalogue::why_missing << '\n';
   if (chosen.empty()) throw UserError(scenario.file + ": methods: names none to run; give --method M[,M...]");
   return chosen;
 }

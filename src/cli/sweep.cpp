@@ -48,20 +48,27 @@ bool is_whole_key(const std::string& key) {
   });
 }
 
-sweep::Grid grid_of(const Options& options, const std::vector<Override>& settings,
-                    const std::vector<const catalogue::Method*>& methods) {
+std::vector<sweep::Axis> axes_of(const Options& options, const std::vector<Override>& settings) {
   std::vector<sweep::Axis> axes;
   for (const std::string& text : options.grids) {
     axes.push_back(sweep::parse_axis(text, is_whole_key));
-    if (axes.back().key == "method") throw UserError("--grid method: give the methods by --method M[,M...]");
+    const std::string& key = axes.back().key;
+    if (key == "method" || key == "methods") {
+      throw UserError("--grid " + key + ": give the methods by --method M[,M...]");
+    }
+    if (key.starts_with("tolerances")) throw UserError("--grid " + key + ": has no meaning for a run");
     const auto same = std::ranges::find(settings, axes.back().key, &Override::key);
     if (same != settings.end()) {
       throw UserError("--grid " + axes.back().key + ": is set by " + same->origin + " as well");
     }
   }
-  sweep::Axis& names = axes.emplace_back(sweep::Axis{"method", {}});
-  for (const catalogue::Method* method : methods) names.values.emplace_back(method->name);
-  return sweep::Grid(std::move(axes));
+  return axes;
+}
+
+/// The scenario as the first run of the grid has it: flags may need what only the grid gives.
+Scenario first_of(const ScenarioFile& file, std::vector<Override> settings, const std::vector<sweep::Axis>& axes) {
+  for (const sweep::Axis& axis : axes) settings.push_back({axis.key, axis.values.front(), "--grid"});
+  return file.read(settings, known_names());
 }
 
 std::string versions_text() {
@@ -125,9 +132,13 @@ void remove_parts(const fs::path& journal) {
 int sweep_grid(const Options& options) {
   const ScenarioFile file(scenario_file(options.scenario));
   const std::vector<Override> settings = options.settings.overrides();
-  const Scenario base = file.read(settings, known_names());
-  catalogue::GridRuns runs(file, settings, known_names(),
-                           grid_of(options, settings, chosen_methods(options.methods, base)));
+  std::vector<sweep::Axis> axes = axes_of(options, settings);
+  const Scenario base = first_of(file, settings, axes);
+  sweep::Axis& methods = axes.emplace_back(sweep::Axis{"method", {}});
+  for (const catalogue::Method* method : chosen_methods(options.methods, base)) {
+    methods.values.emplace_back(method->name);
+  }
+  catalogue::GridRuns runs(file, settings, known_names(), sweep::Grid(std::move(axes)));
   const sweep::Head head{base.name,           sweep::parse_shard(options.shard),
                          runs.grid().axes(),  result_columns(),
                          file.text(settings), versions_text()};
@@ -143,8 +154,9 @@ int sweep_grid(const Options& options) {
   sweep::Journal journal(place, head);
   remove_parts(place);
   if (journal.damaged() > 0) {
-    std::cerr << fmt::format("odeval: {}: {} damaged line{} left out; what they said is done again\n", place.string(),
-                             journal.damaged(), journal.damaged() == 1 ? "" : "s");
+    std::cerr << fmt::format(
+        "odeval: {}: {} damaged line{} left out; a run that no other line tells of is done again\n", place.string(),
+        journal.damaged(), journal.damaged() == 1 ? "" : "s");
   }
   int signal = 0;
   {

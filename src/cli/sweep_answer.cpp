@@ -7,6 +7,8 @@
 #include <cmath>
 #include <iostream>
 
+#include "catalogue/methods.hpp"
+#include "cli/settings.hpp"
 #include "odeval/error.hpp"
 #include "odeval/metrics.hpp"
 #include "output/file.hpp"
@@ -14,6 +16,7 @@
 #include "output/sweep_table.hpp"
 #include "output/table.hpp"
 #include "report/front.hpp"
+#include "scenario/read_scenario.hpp"
 #include "sweep/front.hpp"
 
 namespace odeval::cli {
@@ -76,9 +79,19 @@ std::vector<std::string> keys_of(const Head& head) {
   return keys;
 }
 
-/// The table and the timings, row by row, and on the way what the front is made of.
+/// The method that errors are measured against.
+std::string_view reference_of(const Head& head) {
+  std::vector<Override> settings;
+  const std::vector<std::string> values = sweep::Grid(head.axes).values(0);
+  for (std::size_t i = 0; i + 1 < values.size(); ++i) settings.push_back({head.axes[i].key, values[i], "--grid"});
+  const Scenario scenario = ScenarioFile(head.scenario + ".toml", head.settings).read(settings, known_names());
+  return catalogue::reference_method_of(*scenario.problem);
+}
+
+/// The table and the timings, row by row, and on the way what the front is made of: the reference has no part in it.
 std::vector<Point> write_tables(const Journal& journal, const fs::path& stem, const ErrorOf& error) {
   const Head& head = journal.head();
+  const std::string_view reference = reference_of(head);
   const sweep::Grid grid(head.axes);
   WholeFile table(stem.string() + ".csv");
   WholeFile timing(stem.string() + "-timing.csv");
@@ -92,7 +105,8 @@ std::vector<Point> write_tables(const Journal& journal, const fs::path& stem, co
         sweep_line(run, grid.values(run), sweep::status_name(row.status), row.reason, row.cells, head.columns.size()));
     const double cpu_s = 1e-6 * static_cast<double>(row.cpu_us);
     timing.write(fmt::format("{},{}\n", run, row.status == Status::timeout ? "" : number_text(cpu_s)));
-    if (row.status == Status::ok) points.push_back({run, cpu_s, error.bound(row), error.told(row)});
+    if (row.status != Status::ok || grid.values(run).back() == reference) continue;
+    points.push_back({run, cpu_s, error.bound(row), error.told(row)});
   }
   table.finish();
   timing.finish();
@@ -154,7 +168,7 @@ std::string counts_text(const Journal& journal) {
   for (std::size_t i = 0; i < sweep::statuses; ++i) {
     const auto status = static_cast<Status>(i);
     if (journal.rows(status) == 0) continue;
-    text += (text.empty() ? "" : ", ") + fmt::format("{} {}", journal.rows(status), sweep::status_name(status));
+    text += (text.empty() ? ": " : ", ") + fmt::format("{} {}", journal.rows(status), sweep::status_name(status));
   }
   return text;
 }
@@ -216,14 +230,20 @@ int answer(const Journal& journal, const fs::path& folder, const AnswerOptions& 
 
   if (!options.quiet) {
     const std::string shard = head.shard.whole() ? "" : ", shard " + head.shard.text();
-    std::cout << fmt::format("{}: {} runs ({}{}): {}\n", head.scenario, journal.rows(), grid_text(head), shard,
-                             counts_text(journal));
-    if (front.empty()) {
-      std::cout << "\nno run is ok and has a " << metric << ": there is no front\n";
+    std::cout << fmt::format("{}: {} run{} ({}{}){}\n", head.scenario, journal.rows(), journal.rows() == 1 ? "" : "s",
+                             grid_text(head), shard, counts_text(journal));
+    if (journal.rows(Status::ok) == 0) {
+      std::cout << "\nno run is ok: there is no front\n";
+    } else if (front.empty()) {
+      std::cout << "\nno run that is ok has a " << metric << " of its own: there is no front\n";
     } else {
-      std::cout << "\nthe least " << metric << " that a cost buys (Pareto front)\n\n"
-                << table.text()
-                << "\nCPU time of the stepping, each run once, while others ran beside it; 'odeval recommend' measures "
+      std::cout << "\nthe least " << metric << " that a cost buys (Pareto front)\n\n" << table.text();
+      if (metric == "max_error_q" && error.value(journal.row(front.front().run)) > divergence_rad) {
+        std::cout << fmt::format(
+            "\nErrors above {} rad say only that the motion was lost: a shorter --duration tells more.\n",
+            divergence_rad);
+      }
+      std::cout << "\nCPU time of the stepping, each run once, while others ran beside it; 'odeval recommend' measures "
                    "properly\n";
     }
     std::cout << fmt::format("wrote {0}.csv, -timing.csv, -front.csv{1}\n", stem.string(), drawn ? ", -front.png" : "");

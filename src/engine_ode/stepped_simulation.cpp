@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "engine_ode/library.hpp"
+#include "odeval/error.hpp"
 
 namespace odeval::engine_ode {
 
@@ -43,6 +44,8 @@ Outcome SteppedSimulation::run(Rows* rows) {
       }
       if (rows != nullptr) record(*rows);
     }
+  } catch (const MachineError&) {
+    throw;
   } catch (const Fault& fault) {
     outcome.diverged = true;
     outcome.reason =
@@ -66,8 +69,13 @@ void SteppedSimulation::step_once(long steps_done) {
   } else if (!touching_.empty()) {
     step_with_contacts(steps_done);
   } else {
-    step_(scene_.world(), static_cast<dReal>(grid_.step_s));
+    step_world();
   }
+}
+
+// ODE steps nothing and says so by 0 when it cannot get the memory for its matrices.
+void SteppedSimulation::step_world() {
+  if (step_(scene_.world(), static_cast<dReal>(grid_.step_s)) == 0) throw MachineError("ODE: no memory for a step");
 }
 
 // An impact is a run of steps in which a thing has contacts; its first step carries the bounce.
@@ -83,7 +91,7 @@ void SteppedSimulation::step_with_contacts(long steps_done) {
     }
     touching_[i] = depth >= 0;
   }
-  step_(scene_.world(), static_cast<dReal>(grid_.step_s));
+  step_world();
   scene_.clear_contacts();
   Impact* impact = impacts_.data() + impacts_.size() - touched_.size();
   for (const std::size_t toucher : touched_) (impact++)->qd_after = rate_after(toucher);

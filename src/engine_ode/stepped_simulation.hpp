@@ -44,6 +44,7 @@ class SteppedSimulation : public Simulation {
  private:
   double time_of(long steps) const { return static_cast<double>(steps) * grid_.step_s; }
   void step_once(long steps_done);
+  void step_world();
   void step_with_contacts(long steps_done);
   std::size_t deepest() const;
   bool finite() const;

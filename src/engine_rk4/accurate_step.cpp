@@ -21,7 +21,7 @@ namespace {
 AccurateStepOptions checked(AccurateStepOptions options) {
   if (dCheckConfiguration("ODE_double_precision") == 0) refuse("needs a double-precision ODE");
   const auto check = [](bool good, const char* what, double value) {
-    if (!good) refuse(std::string(what) + ", not " + std::to_string(value));
+    if (!good) refuse(std::string(what) + ", not " + shown(value));
   };
   check(options.start_gap > 0 && std::isfinite(options.start_gap), "start_gap must be a positive number of metres",
         options.start_gap);
@@ -55,8 +55,7 @@ class AccurateStep::World {
   }
 
   void step(double h) {
-    if (!(h > 0) || !std::isfinite(h))
-      refuse("the step must be a positive number of seconds, not " + std::to_string(h));
+    if (!(h > 0) || !std::isfinite(h)) refuse("the step must be a positive number of seconds, not " + shown(h));
     if (watch_.changed(space_, mechanism())) reread();
     read_state(mechanism(), state_);
     read_forces(world_, mechanism(), forces_.now);

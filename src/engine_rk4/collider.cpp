@@ -67,7 +67,7 @@ void Collider::check_reach(const Mechanism& mechanism) const {
       dGeomGetAABB(geom, box);
       if (std::ranges::all_of(box, [limit](dReal at) { return std::fabs(at) < limit; })) continue;
       refuse("body " + std::to_string(i) + " comes farther from the origin than ODE's collision detection reaches (" +
-                 std::to_string(limit) + " m); take a smaller step",
+                 shown(limit) + " m); take a smaller step",
              body);
     }
   }
@@ -77,7 +77,7 @@ void Collider::meet(const Mechanism& mechanism, dGeomID one, dGeomID other, std:
   const auto bounce = ask_(one, other);
   if (!bounce) return;
   if (!(bounce->restitution >= 0 && bounce->restitution <= 1)) {
-    refuse("a restitution must be 0 to 1, not " + std::to_string(bounce->restitution));
+    refuse("a restitution must be 0 to 1, not " + shown(bounce->restitution));
   }
   constexpr int most = 64;
   dContactGeom found[most];

@@ -84,7 +84,7 @@ void Flight::move(double after, double h, State& to) {
   if (!finite(to)) refuse("the motion left the finite numbers; take a smaller step");
   // Equations that repeat others are left out: a closed loop that does not quite close keeps its gap.
   if (!(errors.after.size <= (motion_.redundant() ? options_.start_gap : mendable))) {
-    refuse_apart(errors.after, "at the end of a step of " + std::to_string(h) + " s; take a smaller one");
+    refuse_apart(errors.after, "at the end of a step of " + shown(h) + " s; take a smaller one");
   }
 }
 
@@ -92,14 +92,14 @@ void Flight::settle(State& state, double most) const {
   const JointErrors errors = motion_.project(state);
   for (const JointError& error : {errors.before, errors.after}) {
     if (error.size <= most) continue;
-    refuse_apart(error, "at the start of the step; at most " + std::to_string(most) + " are mended");
+    refuse_apart(error, "at the start of the step; at most " + shown(most) + " are mended");
   }
 }
 
 void Flight::refuse_apart(const JointError& error, const std::string& when) const {
   const Joint& joint = motion_.mechanism().joints[error.joint];
-  refuse(name(joint) + " is " + std::to_string(error.size) + " m or rad apart " + when,
-         motion_.mechanism().bodies[joint.a].id, joint.id);
+  refuse(name(joint) + " is " + shown(error.size) + " m or rad apart " + when, motion_.mechanism().bodies[joint.a].id,
+         joint.id);
 }
 
 /// A contact of geoms that rested when this part of the step began, and did not approach at this point then, along the
@@ -226,8 +226,8 @@ bool Flight::hold(State& state) {
   }
   const double overlap = deepest_of(contacts_);
   if (overlap > options_.start_gap) {
-    refuse("an overlap of " + std::to_string(overlap) + " m can not be pushed out; at most " +
-           std::to_string(options_.start_gap) + " are left to later steps");
+    refuse("an overlap of " + shown(overlap) + " m can not be pushed out; at most " + shown(options_.start_gap) +
+           " are left to later steps");
   }
   resting_ = std::move(rest);
   return touched;

@@ -31,12 +31,13 @@ Section quickstep_chain(Laboratory& laboratory, Findings& findings) {
           reference_known(evaluator, {until_s}));
   const auto error = [](const QuickRun& run) { return run.error; };
   Panel errors = runs.panel(
-      "iterations", [](const QuickRun& run) { return static_cast<double>(run.iterations); }, "angle error, rad", error);
+      "iterations", [](const QuickRun& run) { return static_cast<double>(run.settings.iterations); },
+      "angle error, rad", error);
   Panel costs = runs.panel(
       "CPU time a step, s", [](const QuickRun& run) { return run.a_step_s; }, "angle error, rad", error);
   errors.series.push_back(direct_level(runs, runs.direct.error));
   costs.series.push_back(
-      {"dWorldStep", {runs.direct.a_step_s}, {runs.direct.error}, report::Mark::points, colour_of("ode-step-double")});
+      {"dWorldStep", {runs.direct.a_step_s}, {runs.direct.error}, report::Mark::points, guide_colour});
 
   Section section{"quickstep-chain", "QuickStep on a long chain", {}};
   section.blocks.emplace_back(report::Text{fmt::format(

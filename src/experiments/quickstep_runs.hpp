@@ -10,12 +10,11 @@
 namespace odeval::experiments {
 
 struct QuickRun {
-  int iterations;
-  double over_relaxation;
-  double error;     // largest of an angle, rad; NaN when the run blew up
-  double gap;       // largest in a joint, m; likewise
-  double a_step_s;  // CPU time
-  double doubt;     // of the reference, rad
+  OdeSettings settings;
+  double error;         // largest of an angle, rad; NaN when the run blew up
+  double gap;           // largest in a joint, m; likewise
+  double doubt;         // of the reference, rad
+  double a_step_s = 0;  // CPU time, median of rounds in turn, nothing recorded
 };
 
 struct QuickRuns {
@@ -33,7 +32,7 @@ struct QuickRuns {
                       const std::function<double(const QuickRun&)>& y) const;
 };
 
-/// Each until the time, s.
+/// Each until the time, s; timed over as many steps as take no long time.
 QuickRuns quickstep_runs(catalogue::Evaluator& evaluator, std::span<const int> iterations, double until_s);
 
 /// A level of dWorldStep's over all iterations.

@@ -115,6 +115,7 @@ Scenario ScenarioFile::read(const std::vector<Override>& overrides, const Names&
 std::string ScenarioFile::text(const std::vector<Override>& overrides) const {
   toml::table table = tree_->table;
   apply(table, overrides);
+  table.erase("tolerances");
   std::ostringstream out;
   out << table;
   return out.str();

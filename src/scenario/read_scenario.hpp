@@ -32,7 +32,8 @@ class ScenarioFile {
   /// As `read_scenario`.
   Scenario read(const std::vector<Override>& overrides, const Names& names) const;
 
-  /// The file with the settings on top as TOML in one spelling: no comments, keys in order.
+  /// What a run depends on: the file with the settings on top as TOML in one spelling, without comments, keys in order,
+  /// and without tolerances.
   std::string text(const std::vector<Override>& overrides) const;
 
  private:

@@ -133,8 +133,9 @@ void apply(toml::table& tree, const std::vector<Override>& overrides) {
 }
 
 std::string typed(const Override& setting) {
-  return one_line(setting.origin == "--set" ? fmt::format("--set {}={}", setting.key, setting.value)
-                                            : fmt::format("{} {}", setting.origin, setting.value));
+  return one_line(setting.origin == "--set" || setting.origin == "--grid"
+                      ? fmt::format("{} {}={}", setting.origin, setting.key, setting.value)
+                      : fmt::format("{} {}", setting.origin, setting.value));
 }
 
 }  // namespace odeval

@@ -15,17 +15,18 @@ struct Point {
 };
 
 /// The Pareto front: those points that no other is as cheap and as good as, cheapest first. Of equal ones the first
-/// run. Points without a finite error are none; one whose error cannot be told has to be better by half.
+/// run. Points without a finite error are none; one whose error cannot be told has to be better by half than the one
+/// before it on the front.
 inline std::vector<Point> pareto_front(std::vector<Point> points) {
   std::sort(points.begin(), points.end(), [](const Point& a, const Point& b) {
     return std::tie(a.cost, a.error, a.run) < std::tie(b.cost, b.error, b.run);
   });
   std::vector<Point> front;
-  double least = std::numeric_limits<double>::infinity();
+  double least = std::numeric_limits<double>::infinity();  // of all that are cheaper
   for (const Point& point : points) {
-    if (!(point.error < (point.told ? least : least / 2))) continue;
+    if (!(point.error < least)) continue;
     least = point.error;
-    front.push_back(point);
+    if (point.told || front.empty() || point.error < front.back().error / 2) front.push_back(point);
   }
   return front;
 }

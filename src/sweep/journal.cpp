@@ -202,12 +202,14 @@ Journal::Journal(fs::path file, const Head& head) : file_(std::move(file)) {
   seed_ = seed_of(head_);
 
   bool titled = false;
+  std::size_t damaged_bytes = 0;  // of the last damaged line
   offsets_.assign(static_cast<std::size_t>(Grid(head_.axes).runs()), 0);
   each_line([&](std::string_view line, std::uint64_t offset) {
     if (const auto row = row_of(line, seed_)) return note(row->first, offset, row->second);
     const auto found = head_of(line);
     if (!found) {
       ++damaged_;
+      damaged_bytes = line.size();
       return;
     }
     titled = true;
@@ -220,7 +222,9 @@ Journal::Journal(fs::path file, const Head& head) : file_(std::move(file)) {
                       "); give another folder, or remove that file");
     }
   });
-  if (!titled && damaged_ > 1 && rows_ == 0) {
+  // One line alone may be our own first one.
+  const bool ours = damaged_ == 0 || (damaged_ == 1 && damaged_bytes + 1 == head_line(head_).size());
+  if (!titled && !ours && rows_ == 0) {
     throw UserError("--out: " + file_.string() +
                     " is damaged, or no journal of a sweep; give another folder, or remove that file");
   }

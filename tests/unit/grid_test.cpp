@@ -102,6 +102,8 @@ void fronts() {
   // Beyond what the references know nothing is bought but a better reference.
   CHECK_EQUAL(runs({{0, 1, 1e-3}, {1, 2, 1e-9, false}, {2, 3, 0.9e-9, false}, {3, 4, 0.8e-9}}), "0 1 3 ");
   CHECK_EQUAL(runs({{0, 1, 1e-3, false}, {1, 2, 1e-9, false}}), "0 1 ");
+  // One that is not worth naming still stands before those that are dearer and worse.
+  CHECK_EQUAL(runs({{0, 1, 1e-3}, {1, 2, 1e-9}, {2, 3, 0.6e-9, false}, {3, 4, 0.8e-9}}), "0 1 ");
 }
 
 }  // namespace
