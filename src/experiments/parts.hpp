@@ -73,8 +73,9 @@ std::string reference_known(catalogue::Evaluator& evaluator, std::initializer_li
 
 OdeSettings half_step_started(OdeSettings settings);
 
-/// The scenario `chain` with n links, its rows far apart: condition numbers of long chains cost more than the chain.
+/// Far apart: condition numbers of long chains cost more than the chain.
 inline constexpr double chain_rows_s = 0.02;
+/// The scenario `chain` with n links, recorded in rows so far apart.
 Scenario chain_of(const Scenario& file, std::size_t n, double until_s);
 
 }  // namespace odeval::experiments

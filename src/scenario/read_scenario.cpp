@@ -104,9 +104,17 @@ Scenario ScenarioFile::read(const std::vector<Override>& overrides, const Names&
   read_keys(draft);
   choose_softness(draft);
   const bool pendulum = draft.scenario.family() == Family::pendulum;
-  pendulum ? settle_links(draft) : settle_bodies(draft);
+  if (pendulum) {
+    settle_links(draft);
+  } else {
+    settle_bodies(draft);
+  }
   check_sections(draft);
-  pendulum ? check_start_of_links(draft) : place_bodies(draft);
+  if (pendulum) {
+    check_start_of_links(draft);
+  } else {
+    place_bodies(draft);
+  }
   check_tolerances(draft);
   check_grid(draft);
   return draft.scenario;
