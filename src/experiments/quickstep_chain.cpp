@@ -26,7 +26,7 @@ Section quickstep_chain(Laboratory& laboratory, Findings& findings) {
       "quickstep-chain",
       fmt::format("QuickStep beside dWorldStep on {} links until {} s, h = {} s", links, until_s, scenario.step_s),
       fmt::format("Errors and gaps are the largest at rows {} s apart, and a gap may be wider between them. Times are "
-                  "of this machine, one run each.",
+                  "of this machine, medians of runs in turn.",
                   *scenario.sample_s) +
           reference_known(evaluator, {until_s}));
   const auto error = [](const QuickRun& run) { return run.error; };

@@ -8,8 +8,9 @@
 // others are stopped by SIGSTOP): in each round each gets SECONDS, in turn, so that whatever else happens on the
 // machine falls on all of them alike. Who works alone is held to one of two processors, the other one in the next
 // round: one processor may well be slower than the other for a while. What a sweep pays once (processes, the reference)
-// is over before the count begins. Prints what the whole of the rounds gives, and as +- the standard error of the mean
-// over ten parts of them; judges nothing.
+// is over before the count begins. The rounds come in ten parts, each with new processes, since where its memory lies
+// makes a process a few percent faster or slower for all of its life. Prints what the whole of the rounds gives, and as
+// +- the standard error of the mean over the parts; judges nothing.
 //
 //   bare         time of a run in the bare loop
 //   machine      runs of two bare loops over those of one: what this machine, here and now, gives two processes that
@@ -80,7 +81,7 @@ class Party {
     }
     if (leader_ < 0) throw MachineError("no process for a party");
     ::setpgid(leader_, leader_);
-    while (done_ < 20) sleep(0.01);
+    while (done_ < 5) sleep(0.01);
     ::kill(-leader_, SIGSTOP);
   }
   ~Party() {
@@ -183,7 +184,7 @@ void measure(const Case& wanted, std::size_t rounds, double seconds, const fs::p
   const catalogue::Method& method = catalogue::find_method("ode-step-double");
   const auto reference = std::make_shared<const Reference>(catalogue::Evaluator(runs.scenario(0)).reference());
   std::vector<Scenario> scenarios;
-  for (long i = 0; i < 100; ++i) scenarios.push_back(runs.scenario(i * (wanted.runs / 100)));
+  for (long i = 0; i < 100; ++i) scenarios.push_back(runs.scenario(i));
 
   const auto loop = [&](Count& done, const Processor* alone) {
     ::mallopt(M_MMAP_THRESHOLD, 32 << 20);  // as in a sweep's workers: pages are not given back between runs
@@ -212,27 +213,30 @@ void measure(const Case& wanted, std::size_t rounds, double seconds, const fs::p
   };
 
   Processor processor;
-  const Party bare_one([&](Count& done) { loop(done, &processor); });
-  const Party bare_two([&](Count& done) {
-    const pid_t leader = ::getpid();
-    const pid_t second = ::fork();
-    if (second < 0) throw MachineError("no process for the second loop");
-    if (second == 0) {
-      ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-      if (::getppid() != leader) return;
-    }
-    loop(done, nullptr);
-  });
-  const Party sweep_one([&](Count& done) { sweep_with(1, done, &processor); });
-  const Party sweep_two([&](Count& done) { sweep_with(2, done, nullptr); });
-  const std::array<const Party*, 4> parties{&bare_one, &bare_two, &sweep_one, &sweep_two};
   std::array<std::vector<double>, 4> rates;
-  for (std::size_t round = 0; round < rounds; ++round) {
-    processor.choose(round);
-    for (std::size_t i = 0; i < parties.size(); ++i) {
-      const std::size_t whose = round / 2 % 2 == 0 ? i : parties.size() - 1 - i;
-      rates[whose].push_back(parties[whose]->turn(seconds));
+  for (std::size_t part = 0; part < parts; ++part) {
+    const Party bare_one([&](Count& done) { loop(done, &processor); });
+    const Party bare_two([&](Count& done) {
+      const pid_t leader = ::getpid();
+      const pid_t second = ::fork();
+      if (second < 0) throw MachineError("no process for the second loop");
+      if (second == 0) {
+        ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+        if (::getppid() != leader) return;
+      }
+      loop(done, nullptr);
+    });
+    const Party sweep_one([&](Count& done) { sweep_with(1, done, &processor); });
+    const Party sweep_two([&](Count& done) { sweep_with(2, done, nullptr); });
+    const std::array<const Party*, 4> parties{&bare_one, &bare_two, &sweep_one, &sweep_two};
+    for (std::size_t round = 0; round < rounds / parts; ++round) {
+      processor.choose(round);
+      for (std::size_t i = 0; i < parties.size(); ++i) {
+        const std::size_t whose = round / 2 % 2 == 0 ? i : parties.size() - 1 - i;
+        rates[whose].push_back(parties[whose]->turn(seconds));
+      }
     }
+    fs::remove_all(folder);
   }
 
   const auto ratio = [](double a, double b) { return a / b; };
@@ -243,7 +247,7 @@ void measure(const Case& wanted, std::size_t rounds, double seconds, const fs::p
   double load = 0;
   ::getloadavg(&load, 1);
   fmt::print("{:<8} {:9.3f} {:10.3f} +- {:.3f} {:10.3f} +- {:.3f} {:10.3f} +- {:.3f} {:6.1f}\n", wanted.what,
-             1e3 / mean(rates[0], 0, rounds), machine.value, machine.standard_error, throughput.value,
+             1e3 / mean(rates[0], 0, rates[0].size()), machine.value, machine.standard_error, throughput.value,
              throughput.standard_error, overhead.value, overhead.standard_error, load);
   std::fflush(stdout);
 }
