@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <iostream>
 #include <memory>
 
 #include "cli/commands.hpp"
@@ -33,7 +34,8 @@ fs::path journal_in(const std::string& folder) {
   for (const fs::directory_entry& entry : fs::directory_iterator(fs::path(folder) / "sweep", error)) {
     if (entry.path().extension() == ".journal") found.push_back(entry.path());
   }
-  if (error) throw UserError(folder + "/sweep: cannot be read: " + error.message());
+  if (error)
+    throw UserError(folder + "/sweep: cannot be read: " + error.message() + "; give the --out folder of a shard");
   if (found.size() != 1) {
     throw UserError(fmt::format("{}/sweep: has {} journals; a shard of one sweep has one", folder, found.size()));
   }
@@ -51,6 +53,9 @@ std::vector<Part> open_parts(const Options& options) {
       if (fs::equivalent(folder, part.folder, ignored)) throw UserError(folder + ": is named twice");
     }
     parts.push_back({folder, std::make_unique<Journal>(journal_in(folder))});
+    if (const long damaged = parts.back().journal->damaged(); damaged > 0) {
+      std::cerr << fmt::format("odeval: {}: {} damaged line{} left out\n", folder, damaged, damaged == 1 ? "" : "s");
+    }
     const std::string other = parts.back().journal->head().difference(parts.front().journal->head());
     if (!other.empty()) {
       throw UserError(fmt::format("{}: is of another sweep than {} ({} differ)", folder, parts.front().folder, other));

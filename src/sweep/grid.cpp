@@ -1,8 +1,10 @@
 #include "sweep/grid.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <set>
 
 #include "odeval/error.hpp"
@@ -119,7 +121,10 @@ Axis parse_axis(const std::string& text, const std::function<bool(const std::str
   std::set<std::string> seen;
   for (const std::string& value : axis.values) {
     if (value.empty()) fail(text, "has an empty value");
-    if (!seen.insert(value).second) fail(text, "has the value " + shown(value) + " twice");
+    double number = 0;  // 1e-3 and 0.001 are the same
+    if (!seen.insert(is_number(value, number) ? std::to_string(std::bit_cast<std::uint64_t>(number)) : value).second) {
+      fail(text, "has the value " + shown(value) + " twice");
+    }
   }
   return axis;
 }
