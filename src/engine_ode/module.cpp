@@ -1,8 +1,10 @@
 #include "engine_ode/module.hpp"
 
+#include <dlfcn.h>
 #include <ode/ode.h>
 #include <ode/version.h>
 
+#include <filesystem>
 #include <string>
 
 #include "engine_ode/library.hpp"
@@ -29,6 +31,16 @@ extern "C" __attribute__((visibility("default"))) const Module& ODEVAL_ENTRY() {
                          " precision: " +
                          std::string(dGetConfiguration()));
     }
+#ifdef ODEVAL_ODE_FILE
+    // The version is the headers' word. Another library of the same soname can be loaded in the place of theirs.
+    Dl_info loaded;
+    if (dladdr(dGetConfiguration(), &loaded) == 0) throw MachineError("no file holds the ODE that was loaded");
+    const std::filesystem::path file = std::filesystem::canonical(loaded.dli_fname);
+    if (file.filename() != ODEVAL_ODE_FILE) {
+      throw MachineError("this build is for " ODEVAL_ODE_FILE " of ODE " dODE_VERSION ", and " + file.string() +
+                         " was loaded; build it again, or leave LD_LIBRARY_PATH alone");
+    }
+#endif
     return Module{ODEVAL_PRECISION, dODE_VERSION,  dGetConfiguration(), &make_step,
                   &make_quickstep,  &make_doubled, &make_stepped};
   }();
