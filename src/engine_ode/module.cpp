@@ -29,8 +29,8 @@ extern "C" __attribute__((visibility("default"))) const Module& ODEVAL_ENTRY() {
                          " precision: " +
                          std::string(dGetConfiguration()));
     }
-    return Module{ODEVAL_PRECISION, dODE_VERSION,  dGetConfiguration(), &make_step,
-                  &make_quickstep,  &make_doubled, &make_stepped};
+    return Module{ODEVAL_PRECISION, dODE_VERSION,    ODEVAL_ODE_PACKAGE, dGetConfiguration(),
+                  &make_step,       &make_quickstep, &make_doubled,      &make_stepped};
   }();
   return module;
 }
