@@ -112,7 +112,7 @@ ClosedFormPendulum::ClosedFormPendulum(const Scenario& scenario, double until_s)
     return;
   }
   for (double t = 0;;) {
-    const FreePendulum& swing = pieces_.emplace_back(t, FreePendulum(scenario, y)).swing;
+    const FreePendulum& swing = pieces_.emplace_back(Piece{t, FreePendulum(scenario, y)}).swing;
     const auto high = swing.passage(wall.arc().high, true);
     const auto low = swing.passage(wall.arc().low, false);
     const bool upward = high && (!low || high->t_s < low->t_s);

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "odeval/error.hpp"
+#include "reference/sundials.hpp"
 
 namespace odeval::reference {
 namespace {
@@ -20,12 +21,6 @@ namespace {
 std::string flag_name(int flag) {
   const std::unique_ptr<char, decltype(&std::free)> name(CVodeGetReturnFlagName(flag), &std::free);
   return name ? name.get() : "unknown flag";
-}
-
-SUNContext make_context() {
-  SUNContext context = nullptr;
-  if (SUNContext_Create(nullptr, &context) != 0) throw MachineError("CVODE: could not create a SUNDIALS context");
-  return context;
 }
 
 }  // namespace
@@ -39,14 +34,14 @@ CvodeSolver::CvodeSolver(std::size_t size, RightSide right_side, Tolerances tole
       tolerances_(tolerances),
       scenario_(std::move(scenario)),
       duration_s_(duration_s),
-      context_(make_context()),
+      context_(make_sundials_context()),
       y_(N_VNew_Serial(static_cast<sunindextype>(size), context_.get())),
       between_(N_VNew_Serial(static_cast<sunindextype>(size), context_.get())),
       iteration_(y_ ? SUNNonlinSol_FixedPoint(y_.get(), 0, context_.get()) : nullptr),
       cvode_(CVodeCreate(CV_ADAMS, context_.get())) {
   if (!y_ || !between_ || !iteration_ || !cvode_) throw MachineError("CVODE: out of memory");
   N_VConst(0.0, y_.get());
-  check(CVodeSetErrHandlerFn(cvode_.get(), keep_message, this), "CVodeSetErrHandlerFn");
+  keep_last_message(context_.get(), cvode_.get(), message_);
   check(CVodeInit(cvode_.get(), evaluate, 0.0, y_.get()), "CVodeInit");
   check(CVodeSetUserData(cvode_.get(), this), "CVodeSetUserData");
   check(CVodeSStolerances(cvode_.get(), tolerances.rtol, tolerances.atol), "CVodeSStolerances");
@@ -139,10 +134,6 @@ int CvodeSolver::evaluate_sensitivities(int count, double, N_Vector y, N_Vector,
     }
   }
   return 0;
-}
-
-void CvodeSolver::keep_message(int, const char*, const char*, char* message, void* self) {
-  static_cast<CvodeSolver*>(self)->message_ = message;
 }
 
 void CvodeSolver::check(int flag, const char* call) const {

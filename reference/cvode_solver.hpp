@@ -76,7 +76,6 @@ class CvodeSolver {
   static int evaluate(double t, N_Vector y, N_Vector dydt, void* self);
   static int evaluate_sensitivities(int count, double t, N_Vector y, N_Vector dydt, N_Vector* s, N_Vector* dsdt,
                                     void* self, N_Vector, N_Vector);
-  static void keep_message(int code, const char* module, const char* function, char* message, void* self);
   void check(int flag, const char* call) const;
   [[noreturn]] void give_up(int flag) const;
 

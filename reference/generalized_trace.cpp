@@ -45,11 +45,11 @@ Trace generalized_trace(const Scenario& scenario, const SampleGrid& grid, const 
 std::vector<double> joint_accelerations(const Scenario& scenario, const std::vector<double>& q,
                                         const std::vector<double>& qd) {
   return with_any_equations(scenario, [&]<class Equations>(const Equations& equations) {
-    const auto n = static_cast<std::ptrdiff_t>(q.size());
-    typename Equations::State y;
-    typename Equations::State rate;
+    typename Equations::State y{};
+    typename Equations::State rate{};
     resize(y, 2 * q.size());
     resize(rate, 2 * q.size());
+    const auto n = static_cast<std::ptrdiff_t>(y.size() / 2);
     std::copy_n(q.begin(), n, y.begin());
     std::copy_n(qd.begin(), n, y.begin() + n);
     equations(y, rate);

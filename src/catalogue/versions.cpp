@@ -14,16 +14,24 @@ namespace odeval::catalogue {
 namespace {
 
 std::string described(const engine_ode::Module& module) {
-  return std::string(module.version) + " " + module.precision + " (" + module.configuration + ")";
+  return std::string(module.version) + " " + module.precision + " (" + module.package + "; " + module.configuration +
+         ")";
 }
 
-std::string processor() {
-  std::ifstream info("/proc/cpuinfo");
-  const std::string key = "model name";
-  for (std::string line; std::getline(info, line);) {
-    if (line.starts_with(key)) return line.substr(line.find(": ") + 2);
+/// What stands after `before` in the line of a file of the system that starts with `key`.
+std::string entry(const char* file, const std::string& key, const std::string& before) {
+  std::ifstream lines(file);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with(key)) return line.substr(line.find(before) + before.size());
   }
   return "unknown";
+}
+
+/// Its C library computes the sines of every method.
+std::string release() {
+  std::string name = entry("/etc/os-release", "PRETTY_NAME", "=");
+  std::erase(name, '"');
+  return name;
 }
 
 }  // namespace
@@ -40,14 +48,16 @@ NamedTexts versions() {
           {"ode_single", single},
           {"sundials", reference::CvodeSolver::version()},
           {"boost", reference::boost_version},
+          {"libraries", ODEVAL_LIBRARIES},
           {"compiler", ODEVAL_COMPILER},
-          {"flags", ODEVAL_FLAGS}};
+          {"flags", ODEVAL_FLAGS},
+          {"release", release()}};
 }
 
 NamedTexts machine() {
   utsname system{};
   uname(&system);
-  return {{"processor", processor()},
+  return {{"processor", entry("/proc/cpuinfo", "model name", ": ")},
           {"cores", std::to_string(std::thread::hardware_concurrency())},
           {"system", std::string(system.sysname) + " " + system.release + " " + system.machine}};
 }

@@ -14,6 +14,7 @@
 #include "experiments/side_by_side.hpp"
 #include "odeval/error.hpp"
 #include "output/file.hpp"
+#include "render/painter.hpp"
 #include "report/files.hpp"
 #include "report/gnuplot.hpp"
 #include "report/page.hpp"
@@ -93,6 +94,7 @@ std::vector<report::Section> run_experiments(Laboratory& laboratory, report::Fin
 std::vector<std::pair<std::string, std::string>> environment() {
   auto all = catalogue::versions();
   all.emplace_back("figures", report::gnuplot_version());
+  all.emplace_back("pictures", "OpenGL " + render::opengl_version());
   for (const auto& part : catalogue::machine()) all.push_back(part);
   return all;
 }

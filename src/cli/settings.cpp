@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <iostream>
+#include <string_view>
 
 #include "catalogue/paths.hpp"
 #include "odeval/error.hpp"
@@ -43,7 +44,7 @@ std::string flag_of(std::string key) {
   return "--" + key;
 }
 
-const KeyRow& row_of(const std::string& key) {
+const KeyRow& row_of(std::string_view key) {
   const auto rows = key_table();
   return *std::ranges::find_if(rows, [&](const KeyRow& row) {
     return key == (row.section.empty() ? "" : std::string(row.section) + ".") + std::string(row.name);

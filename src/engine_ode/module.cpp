@@ -41,8 +41,8 @@ extern "C" __attribute__((visibility("default"))) const Module& ODEVAL_ENTRY() {
                          " was loaded; build it again, or leave LD_LIBRARY_PATH alone");
     }
 #endif
-    return Module{ODEVAL_PRECISION, dODE_VERSION,  dGetConfiguration(), &make_step,
-                  &make_quickstep,  &make_doubled, &make_stepped};
+    return Module{ODEVAL_PRECISION, dODE_VERSION,    ODEVAL_ODE_PACKAGE, dGetConfiguration(),
+                  &make_step,       &make_quickstep, &make_doubled,      &make_stepped};
   }();
   return module;
 }

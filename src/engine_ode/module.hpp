@@ -11,6 +11,7 @@ namespace odeval::engine_ode {
 struct Module {
   const char* precision;          // "double" or "single", as the linked library says of itself
   const char* version;            // ODE's own
+  const char* package;            // the source package it was built from, as known when odeval was configured
   const char* configuration;      // ODE's configuration tokens
   MakeSimulation make_step;       // dWorldStep
   MakeSimulation make_quickstep;  // dWorldQuickStep

@@ -110,10 +110,10 @@ std::string trace_csv(const Trace& trace) {
   for (std::size_t k = 0; k < rows; ++k) {
     char* end = line.data();
     for (const double* column : layout.columns()) {
+      if (end != line.data()) *end++ = ',';
       end = put_number(end, column[k]);
-      *end++ = ',';
     }
-    end[-1] = '\n';
+    *end++ = '\n';
     text.append(line.data(), end);
   }
   return text;

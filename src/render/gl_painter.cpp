@@ -95,6 +95,7 @@ class GlPainter final : public Painter {
  public:
   GlPainter(int width, int height);
   Image paint(std::span<const Layer> layers, const Camera& camera) override;
+  std::string version() const override { return reinterpret_cast<const char*>(glGetString(GL_VERSION)); }
 
  private:
   OffscreenContext context_;

@@ -32,4 +32,12 @@ std::unique_ptr<Painter> open_painter(int width, int height) {
   return std::unique_ptr<Painter>(make(width, height));
 }
 
+std::string opengl_version() {
+  try {
+    return open_painter(1, 1)->version();
+  } catch (const MachineError& error) {
+    return std::string("none: ") + error.what();
+  }
+}
+
 }  // namespace odeval::render

@@ -2,6 +2,7 @@
 // Paints layers as a camera sees them.
 #include <memory>
 #include <span>
+#include <string>
 
 #include "render/camera.hpp"
 #include "render/image.hpp"
@@ -15,10 +16,16 @@ class Painter {
 
   /// On white. Same layers and camera, same bytes. Throws MachineError when OpenGL fails.
   virtual Image paint(std::span<const Layer> layers, const Camera& camera) = 0;
+
+  /// OpenGL's own words: "4.5 (Compatibility Profile) Mesa 25.0.7".
+  virtual std::string version() const = 0;
 };
 
 /// For pictures up to this size. Loads OpenGL, which only pictures need and which takes longer to load than a run takes
 /// to compute. Throws MachineError when there is no OpenGL.
 std::unique_ptr<Painter> open_painter(int width, int height);
+
+/// The painter's version, or why there is none.
+std::string opengl_version();
 
 }  // namespace odeval::render

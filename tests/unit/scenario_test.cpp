@@ -313,7 +313,7 @@ void a_chain_has_as_many_links_as_it_says() {
 
 void a_ball_is_as_deep_as_wide() {
   const std::string ball = replaced(single, "depth = 0.1", "shape = \"sphere\"");
-  const Link& link = read(ball).links.at(0);
+  const Link link = read(ball).links.at(0);
   CHECK_EQUAL(link.depth_m, link.width_m);
   CHECK_EQUAL(link.centre_m(), link.length_m);
   CHECK_EQUAL(link.beyond_centre_m(), 0.0);
