@@ -1,7 +1,6 @@
 // odeval bench: what a step costs. Methods take turns, so that a machine that slows down slows all of them.
 #include "cli/bench.hpp"
 
-#include <CLI/CLI.hpp>
 #include <iostream>
 
 #include "catalogue/equal_error.hpp"
@@ -10,6 +9,7 @@
 #include "catalogue/timing.hpp"
 #include "catalogue/versions.hpp"
 #include "cli/commands.hpp"
+#include "cli/flags.hpp"
 #include "cli/progress.hpp"
 #include "odeval/error.hpp"
 #include "output/file.hpp"
@@ -134,29 +134,30 @@ int bench(const BenchOptions& options) {
   return options.equal_error > 0 ? bench_at_equal_error(options) : bench_at_equal_steps(options);
 }
 
-Action attach_bench(CLI::App& app) {
+Action attach_bench(Flags& flags) {
   const auto options = std::make_shared<BenchOptions>();
-  app.add_option("SCENARIO", options->scenarios, "names or .toml files; default: all that come with the program");
-  add_method_option(app, options->methods);
-  app.add_option("--repeats", options->repeats, "timed rounds")
-      ->type_name("N")
-      ->check(whole_within(1, 100000))
-      ->capture_default_str();
-  app.add_option("--equal-error", options->equal_error,
-                 "instead of equal steps: each method at the cheapest step or rtol whose angle error stays below E, "
-                 "rad; a --step or --rtol is not used")
-      ->type_name("E")
-      ->check(number_within(1e-15, 1.0));
-  const CLI::Option* until = app.add_option("--until", options->until, "until when the error has to stay below E, s")
-                                 ->type_name("T")
-                                 ->check(number_within(1e-3, 1e4))
-                                 ->capture_default_str();
-  add_out_option(app, options->out);
-  app.add_flag("--quiet", options->quiet, "no table, no progress");
-  app.add_flag("--json", options->json, "the table for programs");
-  options->settings.attach(app);
+  flags.add_option("SCENARIO", options->scenarios, "names or .toml files; default: all that come with the program");
+  add_method_option(flags, options->methods);
+  flags.add_option("--repeats", options->repeats, "timed rounds")
+      .type_name("N")
+      .check(whole_within(1, 100000))
+      .capture_default_str();
+  flags
+      .add_option("--equal-error", options->equal_error,
+                  "instead of equal steps: each method at the cheapest step or rtol whose angle error stays below E, "
+                  "rad; a --step or --rtol is not used")
+      .type_name("E")
+      .check(number_within(1e-15, 1.0));
+  const Flag until = flags.add_option("--until", options->until, "until when the error has to stay below E, s")
+                         .type_name("T")
+                         .check(number_within(1e-3, 1e4))
+                         .capture_default_str();
+  add_out_option(flags, options->out);
+  flags.add_flag("--quiet", options->quiet, "no table, no progress");
+  flags.add_flag("--json", options->json, "the table for programs");
+  options->settings.attach(flags);
   return [options, until] {
-    if (until->count() > 0 && options->equal_error == 0) {
+    if (until.given() && options->equal_error == 0) {
       throw UserError("--until: has a meaning only beside --equal-error");
     }
     return bench(*options);

@@ -1,11 +1,11 @@
 // odeval check: holds every tolerance of the scenario files against a fresh measurement.
-#include <CLI/CLI.hpp>
 #include <iostream>
 #include <map>
 
 #include "catalogue/evaluation.hpp"
 #include "catalogue/paths.hpp"
 #include "cli/commands.hpp"
+#include "cli/flags.hpp"
 #include "cli/progress.hpp"
 #include "cli/settings.hpp"
 #include "measure/metrics.hpp"
@@ -88,12 +88,12 @@ int check(const Options& options) {
 
 }  // namespace
 
-Action attach_check(CLI::App& app) {
+Action attach_check(Flags& flags) {
   const auto options = std::make_shared<Options>();
-  app.add_option("SCENARIO", options->scenarios, "names or .toml files; default: all that come with the program");
-  app.add_flag("--quiet", options->quiet, "only the exit status");
-  app.add_flag("--json", options->json, "for programs");
-  options->settings.attach(app);
+  flags.add_option("SCENARIO", options->scenarios, "names or .toml files; default: all that come with the program");
+  flags.add_flag("--quiet", options->quiet, "only the exit status");
+  flags.add_flag("--json", options->json, "for programs");
+  options->settings.attach(flags);
   return [options] { return check(*options); };
 }
 

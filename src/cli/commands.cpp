@@ -5,6 +5,7 @@
 #include <array>
 
 #include "catalogue/versions.hpp"
+#include "cli/flags.hpp"
 #include "odeval/error.hpp"
 #include "scenario/nearest.hpp"
 
@@ -62,7 +63,8 @@ CommandLine::CommandLine()
   app_->require_subcommand(1);
   for (const Command& row : table) {
     CLI::App* part = app_->add_subcommand(std::string(row.name), std::string(row.summary));
-    actions_.emplace_back(part, row.attach(*part));
+    Flags flags(*part);
+    actions_.emplace_back(part, row.attach(flags));
   }
 }
 

@@ -14,13 +14,15 @@ class App;
 
 namespace odeval::cli {
 
+class Flags;
+
 /// Runs a parsed command and returns the exit status.
 using Action = std::function<int()>;
 
 struct Command {
   std::string_view name;
   std::string_view summary;
-  Action (*attach)(CLI::App& app);  // adds the command's options to its part of the command line
+  Action (*attach)(Flags& flags);  // adds the command's options to its part of the command line
 };
 
 std::span<const Command> commands();
@@ -41,15 +43,15 @@ class CommandLine {
   std::vector<std::pair<CLI::App*, Action>> actions_;
 };
 
-Action attach_list(CLI::App& app);
-Action attach_run(CLI::App& app);
-Action attach_bench(CLI::App& app);
-Action attach_sweep(CLI::App& app);
-Action attach_merge(CLI::App& app);
-Action attach_recommend(CLI::App& app);
-Action attach_snapshot(CLI::App& app);
-Action attach_check(CLI::App& app);
-Action attach_compare(CLI::App& app);
-Action attach_report(CLI::App& app);
+Action attach_list(Flags& flags);
+Action attach_run(Flags& flags);
+Action attach_bench(Flags& flags);
+Action attach_sweep(Flags& flags);
+Action attach_merge(Flags& flags);
+Action attach_recommend(Flags& flags);
+Action attach_snapshot(Flags& flags);
+Action attach_check(Flags& flags);
+Action attach_compare(Flags& flags);
+Action attach_report(Flags& flags);
 
 }  // namespace odeval::cli

@@ -1,8 +1,8 @@
 // odeval compare: two result folders: the same bytes, the same within what is known, or different.
-#include <CLI/CLI.hpp>
 #include <iostream>
 
 #include "cli/commands.hpp"
+#include "cli/flags.hpp"
 #include "output/comparison.hpp"
 
 namespace odeval::cli {
@@ -27,12 +27,12 @@ int compare(const Options& options) {
 
 }  // namespace
 
-Action attach_compare(CLI::App& app) {
+Action attach_compare(Flags& flags) {
   const auto options = std::make_shared<Options>();
-  app.add_option("DIR_A", options->a, "a folder of results")->required();
-  app.add_option("DIR_B", options->b, "another")->required();
-  app.add_flag("--quiet", options->quiet, "only the exit status");
-  app.add_flag("--json", options->json, "for programs");
+  flags.add_option("DIR_A", options->a, "a folder of results").required();
+  flags.add_option("DIR_B", options->b, "another").required();
+  flags.add_flag("--quiet", options->quiet, "only the exit status");
+  flags.add_flag("--json", options->json, "for programs");
   return [options] { return compare(*options); };
 }
 

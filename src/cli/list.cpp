@@ -1,5 +1,4 @@
 // odeval list: what this build can do.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <iostream>
@@ -8,6 +7,7 @@
 #include "catalogue/paths.hpp"
 #include "catalogue/versions.hpp"
 #include "cli/commands.hpp"
+#include "cli/flags.hpp"
 #include "cli/settings.hpp"
 #include "odeval/metrics.hpp"
 #include "output/listing.hpp"
@@ -80,13 +80,13 @@ int list(const Options& options) {
 
 }  // namespace
 
-Action attach_list(CLI::App& app) {
+Action attach_list(Flags& flags) {
   const auto options = std::make_shared<Options>();
-  app.add_option("KIND", options->kind, "only one kind; default: all")->check(CLI::IsMember(kinds));
-  app.add_flag("--json", options->json, "for programs");
-  app.add_option("--names", options->names, "only the names of one kind, one a line")
-      ->check(CLI::IsMember(kinds))
-      ->excludes("KIND");
+  flags.add_option("KIND", options->kind, "only one kind; default: all").one_of({kinds.begin(), kinds.end()});
+  flags.add_flag("--json", options->json, "for programs");
+  flags.add_option("--names", options->names, "only the names of one kind, one a line")
+      .one_of({kinds.begin(), kinds.end()})
+      .excludes("KIND");
   return [options] { return list(*options); };
 }
 

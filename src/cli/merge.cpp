@@ -1,12 +1,12 @@
 // odeval merge: the shards of one sweep as one table.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
 #include <memory>
 
 #include "cli/commands.hpp"
+#include "cli/flags.hpp"
 #include "cli/settings.hpp"
 #include "cli/sweep_answer.hpp"
 #include "odeval/error.hpp"
@@ -116,14 +116,11 @@ int merge(const Options& options) {
 
 }  // namespace
 
-Action attach_merge(CLI::App& app) {
+Action attach_merge(Flags& flags) {
   const auto options = std::make_shared<Options>();
-  app.add_option("DIR", options->folders, "--out folders of 'odeval sweep --shard I/N', all of them")->required();
-  app.add_option("--out", options->out, "folder of the whole sweep")
-      ->type_name("DIR")
-      ->required()
-      ->check([](const std::string& folder) { return folder.empty() ? std::string("must name a folder") : ""; });
-  add_answer_options(app, options->answer);
+  flags.add_option("DIR", options->folders, "--out folders of 'odeval sweep --shard I/N', all of them").required();
+  flags.add_option("--out", options->out, "folder of the whole sweep").type_name("DIR").required().check(folder_name());
+  add_answer_options(flags, options->answer);
   return [options] { return merge(*options); };
 }
 

@@ -1,7 +1,6 @@
 // odeval recommend: the cheapest settings that keep an error, and the runs that prove it.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -14,6 +13,7 @@
 #include "catalogue/accuracy.hpp"
 #include "catalogue/timing.hpp"
 #include "cli/commands.hpp"
+#include "cli/flags.hpp"
 #include "cli/progress.hpp"
 #include "cli/settings.hpp"
 #include "odeval/error.hpp"
@@ -360,28 +360,27 @@ int recommend(const Options& options) {
 
 }  // namespace
 
-Action attach_recommend(CLI::App& app) {
+Action attach_recommend(Flags& flags) {
   const auto options = std::make_shared<Options>();
-  app.add_option("SCENARIO", options->scenario, "a name ('odeval list') or a .toml file")->required();
-  app.add_option("--max-error", options->max_error, "largest angle error allowed, rad")
-      ->type_name("E")
-      ->required()
-      ->check(number_within(1e-15, greatest_error));
-  app.add_option("--until", options->until, "until when, s")
-      ->type_name("T")
-      ->required()
-      ->check(number_within(1e-3, 1e4));
-  app.add_option("--max-energy-drift", options->max_energy_drift, "largest difference from the energy at t = 0, J")
-      ->type_name("D")
-      ->check(number_within(1e-15, 1e15));
-  add_method_option(app, options->methods);
-  add_out_option(app, options->out);
-  app.add_flag("--quiet", options->quiet, "no table, no progress");
-  options->settings.attach(app);
+  flags.add_option("SCENARIO", options->scenario, "a name ('odeval list') or a .toml file").required();
+  flags.add_option("--max-error", options->max_error, "largest angle error allowed, rad")
+      .type_name("E")
+      .required()
+      .check(number_within(1e-15, greatest_error));
+  flags.add_option("--until", options->until, "until when, s")
+      .type_name("T")
+      .required()
+      .check(number_within(1e-3, 1e4));
+  flags.add_option("--max-energy-drift", options->max_energy_drift, "largest difference from the energy at t = 0, J")
+      .type_name("D")
+      .check(number_within(1e-15, 1e15));
+  add_method_option(flags, options->methods);
+  add_out_option(flags, options->out);
+  flags.add_flag("--quiet", options->quiet, "no table, no progress");
+  options->settings.attach(flags);
   for (const char* key : searched) {
     // Read, so that the refusal can say why, and no part of the help; a start may be asked for.
-    CLI::Option* flag = app.get_option_no_throw(std::string("--") + key);
-    if (flag != nullptr) flag->group("");
+    flags.hide(std::string("--") + key);
   }
   return [options] { return recommend(*options); };
 }

@@ -1,5 +1,4 @@
 // odeval report: every scenario and every experiment, and the verdicts on the claims, as one page.
-#include <CLI/CLI.hpp>
 #include <iostream>
 #include <thread>
 
@@ -7,6 +6,7 @@
 #include "catalogue/versions.hpp"
 #include "cli/bench.hpp"
 #include "cli/commands.hpp"
+#include "cli/flags.hpp"
 #include "cli/progress.hpp"
 #include "cli/run_files.hpp"
 #include "cli/settings.hpp"
@@ -144,10 +144,10 @@ int report(const Options& options) {
 
 }  // namespace
 
-Action attach_report(CLI::App& app) {
+Action attach_report(Flags& flags) {
   const auto options = std::make_shared<Options>();
-  add_out_option(app, options->out);
-  app.add_flag("--quiet", options->quiet, "no progress, no name of the page");
+  add_out_option(flags, options->out);
+  flags.add_flag("--quiet", options->quiet, "no progress, no name of the page");
   return [options] { return report(*options); };
 }
 

@@ -1,9 +1,9 @@
 // odeval run: one scenario in several methods: traces, summaries, a table.
-#include <CLI/CLI.hpp>
 #include <iostream>
 
 #include "catalogue/evaluation.hpp"
 #include "cli/commands.hpp"
+#include "cli/flags.hpp"
 #include "cli/progress.hpp"
 #include "cli/run_files.hpp"
 #include "cli/settings.hpp"
@@ -52,14 +52,14 @@ int run(const Options& options) {
 
 }  // namespace
 
-Action attach_run(CLI::App& app) {
+Action attach_run(Flags& flags) {
   const auto options = std::make_shared<Options>();
-  app.add_option("SCENARIO", options->scenario, "a name ('odeval list') or a .toml file")->required();
-  add_method_option(app, options->methods);
-  add_out_option(app, options->out);
-  app.add_flag("--quiet", options->quiet, "no table, no progress");
-  app.add_flag("--json", options->json, "summaries for programs instead of the table");
-  options->settings.attach(app);
+  flags.add_option("SCENARIO", options->scenario, "a name ('odeval list') or a .toml file").required();
+  add_method_option(flags, options->methods);
+  add_out_option(flags, options->out);
+  flags.add_flag("--quiet", options->quiet, "no table, no progress");
+  flags.add_flag("--json", options->json, "summaries for programs instead of the table");
+  options->settings.attach(flags);
   return [options] { return run(*options); };
 }
 

@@ -1,11 +1,7 @@
 #include "cli/settings.hpp"
 
-#include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <iostream>
 #include <string_view>
 
@@ -51,39 +47,26 @@ const KeyRow& row_of(std::string_view key) {
   });
 }
 
+std::string_view trimmed(std::string_view word) {
+  constexpr std::string_view blanks = " \t\n\v\f\r";
+  const std::size_t first = word.find_first_not_of(blanks);
+  return first == word.npos ? "" : word.substr(first, word.find_last_not_of(blanks) - first + 1);
+}
+
 }  // namespace
 
-CLI::Validator number_within(double least, double most) {
-  const std::string range = number_text(least) + " to " + number_text(most);
-  const auto refuse = [=](const std::string& text) {
-    double number = NAN;
-    const bool right = CLI::detail::lexical_cast(text, number) && number >= least && number <= most;
-    return right ? "" : "must be a number from " + range + ", not " + text;
-  };
-  return {refuse, ""};
-}
-
-CLI::Validator whole_within(long least, long most) {
-  const auto refuse = [=](const std::string& text) {
-    long number = 0;
-    const bool right = CLI::detail::lexical_cast(text, number) && number >= least && number <= most;
-    return right ? "" : fmt::format("must be a whole number from {} to {}, not {}", least, most, text);
-  };
-  return {refuse, ""};
-}
-
-void Settings::attach(CLI::App& app) {
+void Settings::attach(Flags& flags) {
   for (const char* key : flag_keys) {
     const KeyRow& row = row_of(key);
-    Flag& flag = flags_.emplace_back(Flag{flag_of(key), key, ""});
-    flag.option = app.add_option(flag.flag, flag.value, std::string(row.meaning))
-                      ->type_name(row.unit.empty() ? "VALUE" : std::string(row.unit))
-                      ->group("Settings, each on top of the scenario file");
+    KeyFlag& added = flags_.emplace_back(KeyFlag{flag_of(key), key, "", Flag(nullptr)});
+    added.flag = flags.add_option(added.name, added.value, std::string(row.meaning));
+    added.flag.type_name(row.unit.empty() ? "VALUE" : std::string(row.unit))
+        .group("Settings, each on top of the scenario file");
   }
-  app.add_option("--set", sets_, "any key of the file, e.g. --set links.0.mass=2 --set q0=[1.0,0.5]")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false)
-      ->group("Settings, each on top of the scenario file");
+  flags.add_option("--set", sets_, "any key of the file, e.g. --set links.0.mass=2 --set q0=[1.0,0.5]")
+      .type_name("KEY=VALUE")
+      .one_value()
+      .group("Settings, each on top of the scenario file");
 }
 
 std::filesystem::path scenario_file(const std::string& name_or_path) {
@@ -96,8 +79,8 @@ Scenario Settings::read(const std::string& name_or_path) const {
 
 std::vector<Override> Settings::overrides() const {
   std::vector<Override> overrides;
-  for (const Flag& flag : flags_) {
-    if (flag.option->count() > 0) overrides.push_back({flag.key, flag.value, flag.flag});
+  for (const KeyFlag& typed : flags_) {
+    if (typed.flag.given()) overrides.push_back({typed.key, typed.value, typed.name});
   }
   for (const std::string& set : sets_) {
     const std::size_t equals = set.find('=');
@@ -109,24 +92,21 @@ std::vector<Override> Settings::overrides() const {
   return overrides;
 }
 
-void add_method_option(CLI::App& app, std::vector<std::string>& methods) {
-  app.add_option("--method", methods, "one or several, with commas; default: the scenario's own list")
-      ->type_name("M[,M...]")
-      ->delimiter(',')
-      ->allow_extra_args(false);
+void add_method_option(Flags& flags, std::vector<std::string>& methods) {
+  flags.add_option("--method", methods, "one or several, with commas; default: the scenario's own list")
+      .type_name("M[,M...]")
+      .delimiter(',')
+      .one_value();
 }
 
-void add_out_option(CLI::App& app, std::string& out) {
-  app.add_option("--out", out, "folder of the results")
-      ->type_name("DIR")
-      ->check([](const std::string& folder) { return folder.empty() ? std::string("must name a folder") : ""; })
-      ->capture_default_str();
+void add_out_option(Flags& flags, std::string& out) {
+  flags.add_option("--out", out, "folder of the results").type_name("DIR").check(folder_name()).capture_default_str();
 }
 
 std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::string>& asked, const Scenario& scenario) {
   std::vector<const catalogue::Method*> chosen;
   for (const std::string& word : asked) {
-    const std::string name = CLI::detail::trim_copy(word);
+    const std::string name(trimmed(word));
     const catalogue::Method& method = catalogue::find_method(name);
     catalogue::require_claim(method, *scenario.problem, "--method");
     if (std::ranges::find(chosen, &method) == chosen.end()) chosen.push_back(&method);

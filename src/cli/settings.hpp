@@ -6,20 +6,15 @@
 #include <vector>
 
 #include "catalogue/methods.hpp"
+#include "cli/flags.hpp"
 #include "scenario/read_scenario.hpp"
-
-namespace CLI {
-class App;
-class Option;
-class Validator;
-}  // namespace CLI
 
 namespace odeval::cli {
 
 class Settings {
  public:
   /// Adds `--step`, `--duration`, ... and `--set` to a command.
-  void attach(CLI::App& app);
+  void attach(Flags& flags);
 
   /// Reads a scenario by name or path with the flags on top. Throws UserError.
   Scenario read(const std::string& name_or_path) const;
@@ -28,23 +23,19 @@ class Settings {
   std::vector<Override> overrides() const;
 
  private:
-  struct Flag {
-    std::string flag;
+  struct KeyFlag {
+    std::string name;
     std::string key;
     std::string value;
-    const CLI::Option* option = nullptr;  // knows whether it was typed
+    Flag flag;  // knows whether it was typed
   };
-  std::deque<Flag> flags_;  // stable addresses: the parser writes into them
+  std::deque<KeyFlag> flags_;  // stable addresses: the parser writes into them
   std::vector<std::string> sets_;
 };
 
-/// A flag's value: a number, no NaN, or a whole one, of that range.
-CLI::Validator number_within(double least, double most);
-CLI::Validator whole_within(long least, long most);
-
 /// `--method M[,M...]` and `--out DIR`, as every command that has them spells them.
-void add_method_option(CLI::App& app, std::vector<std::string>& methods);
-void add_out_option(CLI::App& app, std::string& out);
+void add_method_option(Flags& flags, std::vector<std::string>& methods);
+void add_out_option(Flags& flags, std::string& out);
 
 /// The methods to run: those asked for, or else the scenario's own list. A method of that list that is missing in this
 /// build or does not do the problem is left out with a line on stderr; one that was asked for is a UserError.

@@ -1,7 +1,6 @@
 // odeval snapshot: pictures of poses, one file a time, or all on a sheet, or the whole run as a film.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include "catalogue/evaluation.hpp"
 #include "catalogue/versions.hpp"
 #include "cli/commands.hpp"
+#include "cli/flags.hpp"
 #include "cli/progress.hpp"
 #include "cli/settings.hpp"
 #include "odeval/error.hpp"
@@ -288,26 +288,27 @@ int snapshot(const Options& options) {
 
 }  // namespace
 
-Action attach_snapshot(CLI::App& app) {
+Action attach_snapshot(Flags& flags) {
   const auto options = std::make_shared<Options>();
-  app.add_option("SCENARIO", options->scenario, "a name ('odeval list') or a .toml file")->required();
-  add_method_option(app, options->methods);
-  app.add_option("--times", options->times, "a picture at each, in s, from the nearest sample of the run")
-      ->type_name("T1[,T2...]");
-  app.add_option("--size", options->size, "pixels of a picture or sheet, 16x16 to 8192x8192")
-      ->type_name("WxH")
-      ->capture_default_str();
-  app.add_option(
-         "--camera", options->camera,
-         "front, side, corner, or AZIMUTH,ELEVATION[,DISTANCE] in degrees (and m from the first hinge or the middle)")
-      ->type_name("VIEW")
-      ->capture_default_str();
-  app.add_flag("--sheet", options->sheet, "all times on one picture");
-  app.add_flag("--overlay", options->overlay, "the reference's pose as an outline over the method's");
-  app.add_flag("--film", options->film, "the whole run as an animated PNG at real-time speed");
-  add_out_option(app, options->out);
-  app.add_flag("--quiet", options->quiet, "no list of files, no progress");
-  options->settings.attach(app);
+  flags.add_option("SCENARIO", options->scenario, "a name ('odeval list') or a .toml file").required();
+  add_method_option(flags, options->methods);
+  flags.add_option("--times", options->times, "a picture at each, in s, from the nearest sample of the run")
+      .type_name("T1[,T2...]");
+  flags.add_option("--size", options->size, "pixels of a picture or sheet, 16x16 to 8192x8192")
+      .type_name("WxH")
+      .capture_default_str();
+  flags
+      .add_option(
+          "--camera", options->camera,
+          "front, side, corner, or AZIMUTH,ELEVATION[,DISTANCE] in degrees (and m from the first hinge or the middle)")
+      .type_name("VIEW")
+      .capture_default_str();
+  flags.add_flag("--sheet", options->sheet, "all times on one picture");
+  flags.add_flag("--overlay", options->overlay, "the reference's pose as an outline over the method's");
+  flags.add_flag("--film", options->film, "the whole run as an animated PNG at real-time speed");
+  add_out_option(flags, options->out);
+  flags.add_flag("--quiet", options->quiet, "no list of files, no progress");
+  options->settings.attach(flags);
   return [options] { return snapshot(*options); };
 }
 

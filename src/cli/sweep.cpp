@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <sched.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstring>
 #include <iostream>
@@ -10,6 +9,7 @@
 #include "catalogue/grid_runs.hpp"
 #include "catalogue/versions.hpp"
 #include "cli/commands.hpp"
+#include "cli/flags.hpp"
 #include "cli/progress.hpp"
 #include "cli/settings.hpp"
 #include "cli/sweep_answer.hpp"
@@ -175,28 +175,30 @@ int sweep_grid(const Options& options) {
 
 }  // namespace
 
-Action attach_sweep(CLI::App& app) {
+Action attach_sweep(Flags& flags) {
   const auto options = std::make_shared<Options>();
   options->jobs = usable_cores();
-  app.add_option("SCENARIO", options->scenario, "a name ('odeval list') or a .toml file")->required();
-  app.add_option("--grid", options->grids,
-                 "values of a key of the file: KEY=V1,V2,... or N of them, KEY=log:A:B:N or KEY=lin:A:B:N; each --grid "
-                 "multiplies the runs")
-      ->type_name("KEY=VALUES")
-      ->allow_extra_args(false);
-  add_method_option(app, options->methods);
-  app.add_option("--jobs", options->jobs, "runs at a time; default: one a core")
-      ->type_name("N")
-      ->check(whole_within(1, 1024));
-  app.add_option("--shard", options->shard, "only the I-th of N parts of the runs; 'odeval merge' joins them")
-      ->type_name("I/N");
-  app.add_option("--timeout", options->timeout_s, "seconds after which a run is given up")
-      ->type_name("S")
-      ->check(number_within(1e-3, 1e7))
-      ->capture_default_str();
-  add_out_option(app, options->out);
-  add_answer_options(app, options->answer);
-  options->settings.attach(app);
+  flags.add_option("SCENARIO", options->scenario, "a name ('odeval list') or a .toml file").required();
+  flags
+      .add_option(
+          "--grid", options->grids,
+          "values of a key of the file: KEY=V1,V2,... or N of them, KEY=log:A:B:N or KEY=lin:A:B:N; each --grid "
+          "multiplies the runs")
+      .type_name("KEY=VALUES")
+      .one_value();
+  add_method_option(flags, options->methods);
+  flags.add_option("--jobs", options->jobs, "runs at a time; default: one a core")
+      .type_name("N")
+      .check(whole_within(1, 1024));
+  flags.add_option("--shard", options->shard, "only the I-th of N parts of the runs; 'odeval merge' joins them")
+      .type_name("I/N");
+  flags.add_option("--timeout", options->timeout_s, "seconds after which a run is given up")
+      .type_name("S")
+      .check(number_within(1e-3, 1e7))
+      .capture_default_str();
+  add_out_option(flags, options->out);
+  add_answer_options(flags, options->answer);
+  options->settings.attach(flags);
   return [options] { return sweep_grid(*options); };
 }
 

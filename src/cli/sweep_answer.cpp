@@ -1,8 +1,9 @@
 #include "cli/sweep_answer.hpp"
 
+#include "cli/flags.hpp"
+
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <iostream>
@@ -175,11 +176,11 @@ std::string counts_text(const Journal& journal) {
 
 }  // namespace
 
-void add_answer_options(CLI::App& app, AnswerOptions& options) {
-  app.add_option("--error", options.error, "the error of the Pareto front; default: the angle error")
-      ->type_name("METRIC")
-      ->check(CLI::IsMember(error_metrics()));
-  app.add_flag("--quiet", options.quiet, "no table, no progress");
+void add_answer_options(Flags& flags, AnswerOptions& options) {
+  flags.add_option("--error", options.error, "the error of the Pareto front; default: the angle error")
+      .type_name("METRIC")
+      .one_of(error_metrics());
+  flags.add_flag("--quiet", options.quiet, "no table, no progress");
 }
 
 fs::path journal_file(const fs::path& folder, const std::string& scenario) {

@@ -5,18 +5,16 @@
 
 #include "sweep/journal.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace odeval::cli {
+
+class Flags;
 
 struct AnswerOptions {
   std::string error;  // metric of the front; empty: the first error against the reference that there is
   bool quiet = false;
 };
 
-void add_answer_options(CLI::App& app, AnswerOptions& options);
+void add_answer_options(Flags& flags, AnswerOptions& options);
 
 /// DIR/sweep/SCENARIO.journal
 std::filesystem::path journal_file(const std::filesystem::path& folder, const std::string& scenario);

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <string_view>
 #include <tuple>
 
 #include "odeval/error.hpp"
@@ -608,15 +609,16 @@ void captions() {
 
 }  // namespace
 
-int main() {
-#ifdef ODEVAL_TWIN
-  try {
-    odeval::render::open_painter(16, 16);
-  } catch (const odeval::MachineError& error) {
-    std::printf("skipped: %s\n", error.what());
-    return 77;
+// With "skip-without-context" a machine whose driver gives no context skips the test instead of failing it.
+int main(int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == "skip-without-context") {
+    try {
+      odeval::render::open_painter(16, 16);
+    } catch (const odeval::MachineError& error) {
+      std::printf("skipped: %s\n", error.what());
+      return 77;
+    }
   }
-#endif
   right_handed();
   bodies_where_mathematics_says();
   held_bodies_move_in_the_picture();

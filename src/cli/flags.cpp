@@ -1,0 +1,103 @@
+#include "cli/flags.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+
+#include "output/number.hpp"
+
+namespace odeval::cli {
+
+Check number_within(double least, double most) {
+  return [=, range = number_text(least) + " to " + number_text(most)](const std::string& text) {
+    double number = NAN;
+    const bool right = CLI::detail::lexical_cast(text, number) && number >= least && number <= most;
+    return right ? "" : "must be a number from " + range + ", not " + text;
+  };
+}
+
+Check whole_within(long least, long most) {
+  return [=](const std::string& text) {
+    long number = 0;
+    const bool right = CLI::detail::lexical_cast(text, number) && number >= least && number <= most;
+    return right ? "" : fmt::format("must be a whole number from {} to {}, not {}", least, most, text);
+  };
+}
+
+Check folder_name() {
+  return [](const std::string& folder) { return folder.empty() ? std::string("must name a folder") : ""; };
+}
+
+Flag& Flag::type_name(std::string name) {
+  option_->type_name(std::move(name));
+  return *this;
+}
+
+Flag& Flag::group(std::string name) {
+  option_->group(name);
+  return *this;
+}
+
+Flag& Flag::required() {
+  option_->required();
+  return *this;
+}
+
+Flag& Flag::check(Check check) {
+  option_->check([check = std::move(check)](const std::string& text) { return check(text); });
+  return *this;
+}
+
+Flag& Flag::one_of(std::vector<std::string> words) {
+  option_->check(CLI::IsMember(std::move(words)));
+  return *this;
+}
+
+Flag& Flag::excludes(const std::string& other) {
+  option_->excludes(other);
+  return *this;
+}
+
+Flag& Flag::capture_default_str() {
+  option_->capture_default_str();
+  return *this;
+}
+
+Flag& Flag::one_value() {
+  option_->allow_extra_args(false);
+  return *this;
+}
+
+Flag& Flag::delimiter(char between) {
+  option_->delimiter(between);
+  return *this;
+}
+
+bool Flag::given() const { return option_->count() > 0; }
+
+Flag Flags::add_option(const std::string& name, std::string& value, const std::string& meaning) {
+  return Flag(app_.add_option(name, value, meaning));
+}
+
+Flag Flags::add_option(const std::string& name, std::vector<std::string>& values, const std::string& meaning) {
+  return Flag(app_.add_option(name, values, meaning));
+}
+
+Flag Flags::add_option(const std::string& name, double& value, const std::string& meaning) {
+  return Flag(app_.add_option(name, value, meaning));
+}
+
+Flag Flags::add_option(const std::string& name, int& value, const std::string& meaning) {
+  return Flag(app_.add_option(name, value, meaning));
+}
+
+Flag Flags::add_flag(const std::string& name, bool& value, const std::string& meaning) {
+  return Flag(app_.add_flag(name, value, meaning));
+}
+
+void Flags::hide(const std::string& name) {
+  if (CLI::Option* option = app_.get_option_no_throw(name)) option->group("");
+}
+
+}  // namespace odeval::cli
