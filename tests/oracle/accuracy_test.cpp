@@ -113,9 +113,11 @@ class Paced : public Simulation {
  public:
   explicit Paced(Pace& pace) : pace_(pace) { now_s += 100; }
   Outcome run(Rows* rows) override {
-    CHECK(rows == nullptr);
-    now_s += pace_.takes_s.front();
-    pace_.takes_s.pop_front();
+    CHECK(rows == nullptr && !pace_.takes_s.empty());
+    if (!pace_.takes_s.empty()) {
+      now_s += pace_.takes_s.front();
+      pace_.takes_s.pop_front();
+    }
     turns += pace_.letter;
     Outcome outcome;
     outcome.steps = pace_.steps;
