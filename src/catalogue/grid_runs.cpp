@@ -18,9 +18,12 @@ namespace {
 constexpr std::array engine_sections{"ode", "maximal", "tolerances"};
 constexpr std::array engine_keys{"method", "methods", "rtol", "atol"};
 constexpr std::array time_keys{"step", "sample", "duration"};
+// But a joint between bodies is the spring that these make of it.
+constexpr std::array softness_keys{"ode.erp", "ode.cfm", "ode.kp", "ode.kd"};
 
-bool moves_the_reference(const std::string& key) {
+bool moves_the_reference(const std::string& key, const Scenario& point) {
   const auto is = [](std::string_view name) { return [name](const char* other) { return name == other; }; };
+  if (point.joint && std::ranges::any_of(softness_keys, is(key))) return true;
   const std::string section = key.substr(0, key.find('.'));
   return std::ranges::none_of(engine_sections, is(section)) && std::ranges::none_of(engine_keys, is(key)) &&
          std::ranges::none_of(time_keys, is(key));
@@ -55,12 +58,8 @@ std::vector<std::uint32_t> GridRuns::groups(const std::function<void(long run)>&
     std::uint32_t group;
     SampleGrid times;
   };
-  std::map<std::vector<std::size_t>, std::vector<Kind>> kinds;  // by the values that move the reference
+  std::map<std::vector<std::size_t>, std::vector<Kind>> kinds;  // by the values that move the reference, 0 for others
 
-  std::vector<std::size_t> moving;
-  for (std::size_t i = 0; i < grid_.axes().size(); ++i) {
-    if (moves_the_reference(grid_.axes()[i].key)) moving.push_back(i);
-  }
   const auto methods = static_cast<long>(grid_.axes().back().values.size());
   std::vector<std::uint32_t> groups(static_cast<std::size_t>(grid_.runs()));
   first_of_group_.clear();
@@ -71,9 +70,10 @@ std::vector<std::uint32_t> GridRuns::groups(const std::function<void(long run)>&
       require_claim(find_method(name), *point.problem, "--method");
     }
     const SampleGrid times = sample_grid(point);
-    const std::vector<std::size_t> places = grid_.places(run);
-    std::vector<std::size_t> key;
-    for (const std::size_t axis : moving) key.push_back(places[axis]);
+    std::vector<std::size_t> key = grid_.places(run);
+    for (std::size_t i = 0; i < key.size(); ++i) {
+      if (!moves_the_reference(grid_.axes()[i].key, point)) key[i] = 0;
+    }
     std::vector<Kind>& alike = kinds[key];
     auto kind = std::ranges::find_if(alike, [&](const Kind& other) { return same_times(times, other.times); });
     if (kind == alike.end()) {

@@ -12,13 +12,13 @@ namespace {
 constexpr double long_enough_s = 5e-4;
 constexpr double most_in_a_batch = 100;
 
-double mean_seconds(TimedRun& run) {
+double mean_seconds(TimedRun& run, Clock clock) {
   std::vector<std::unique_ptr<Simulation>> simulations(static_cast<std::size_t>(run.batch));
   for (auto& simulation : simulations) simulation = run.evaluator->make(*run.method);
   Outcome outcome;
-  const double start = cpu_seconds();
+  const double start = clock();
   for (const auto& simulation : simulations) outcome = simulation->run(nullptr);
-  const double seconds = cpu_seconds() - start;
+  const double seconds = clock() - start;
   run.steps = outcome.steps;
   run.evaluations = outcome.evaluations;
   return seconds / run.batch;
@@ -29,16 +29,16 @@ double mean_seconds(TimedRun& run) {
 double TimedRun::median_s() const { return median(seconds); }
 double TimedRun::mad_s() const { return median_absolute_deviation(seconds); }
 
-void time_in_turns(std::span<TimedRun> runs, int rounds, const std::function<void(int round)>& begins) {
+void time_in_turns(std::span<TimedRun> runs, int rounds, const std::function<void(int round)>& begins, Clock clock) {
   if (begins) begins(0);
   for (TimedRun& run : runs) {
     run.batch = 1;
-    const double once = std::max(mean_seconds(run), 1e-9);
+    const double once = std::max(mean_seconds(run, clock), 1e-9);
     run.batch = static_cast<int>(std::clamp(std::ceil(long_enough_s / once), 1.0, most_in_a_batch));
   }
   for (int round = 1; round <= rounds; ++round) {
     if (begins) begins(round);
-    for (TimedRun& run : runs) run.seconds.push_back(mean_seconds(run));
+    for (TimedRun& run : runs) run.seconds.push_back(mean_seconds(run, clock));
   }
 }
 

@@ -22,10 +22,14 @@ struct TimedRun {
   double mad_s() const;  // median absolute deviation
 };
 
+/// Seconds since some time or other, of which only differences count.
+using Clock = double (*)();
+
 /// Times every run once a round, after a round that warms up and does not count. Simulations are made before the clock
 /// starts and record nothing. A run so short that the clock and cold caches would show is done several times over.
 /// `begins(0)` is called before the warm-up, `begins(k)` before round k.
-void time_in_turns(std::span<TimedRun> runs, int rounds, const std::function<void(int round)>& begins = {});
+void time_in_turns(std::span<TimedRun> runs, int rounds, const std::function<void(int round)>& begins = {},
+                   Clock clock = cpu_seconds);
 
 /// What a table says of a run that was timed.
 TimingRow timing_row(const TimedRun& timed);

@@ -104,7 +104,7 @@ std::vector<Point> write_tables(const Journal& journal, const fs::path& stem, co
     const Row row = journal.row(run);
     table.write(
         sweep_line(run, grid.values(run), sweep::status_name(row.status), row.reason, row.cells, head.columns.size()));
-    const double cpu_s = 1e-6 * static_cast<double>(row.cpu_us);
+    const double cpu_s = static_cast<double>(row.cpu_us) / 1e6;
     timing.write(fmt::format("{},{}\n", run, row.status == Status::timeout ? "" : number_text(cpu_s)));
     if (row.status != Status::ok || grid.values(run).back() == reference) continue;
     points.push_back({run, cpu_s, error.bound(row), error.told(row)});

@@ -15,8 +15,9 @@ inline double median(std::vector<double> values) {
 
 /// Median distance from the median.
 inline double median_absolute_deviation(const std::vector<double>& values) {
+  const double middle = median(values);
   std::vector<double> distances;
-  for (const double value : values) distances.push_back(std::fabs(value - median(values)));
+  for (const double value : values) distances.push_back(std::fabs(value - middle));
   return median(distances);
 }
 

@@ -1,6 +1,9 @@
 // The cheapest setting that keeps an error: it keeps it, the next coarser does not, and what cannot be kept is said.
 #include "catalogue/accuracy.hpp"
 
+#include <deque>
+
+#include "catalogue/equal_error.hpp"
 #include "catalogue/table_5_2.hpp"
 #include "catalogue/timing.hpp"
 #include "tests/check.hpp"
@@ -94,21 +97,116 @@ void what_is_not_reached_is_said() {
   CHECK(single.cheapest(find_method("analytic"), 1e-6, plenty).reached);
 }
 
+// A clock that stands still but for a set-up, 100 s each, and for runs, which take what is next for them.
+double now_s = 1000;
+std::string turns;
+
+struct Pace {
+  char letter;
+  std::deque<double> takes_s;
+  long steps;
+};
+Pace quick{'q', {}, 1000};
+Pace slow{'s', {}, 250};
+
+class Paced : public Simulation {
+ public:
+  explicit Paced(Pace& pace) : pace_(pace) { now_s += 100; }
+  Outcome run(Rows* rows) override {
+    CHECK(rows == nullptr && !pace_.takes_s.empty());
+    if (!pace_.takes_s.empty()) {
+      now_s += pace_.takes_s.front();
+      pace_.takes_s.pop_front();
+    }
+    turns += pace_.letter;
+    Outcome outcome;
+    outcome.steps = pace_.steps;
+    outcome.evaluations = 4 * pace_.steps;
+    return outcome;
+  }
+
+ private:
+  Pace& pace_;
+};
+
+template <Pace& pace>
+catalogue::Method paced(std::string_view name) {
+  catalogue::Method method{};
+  method.name = name;
+  method.make = [](const Scenario&, const SampleGrid&) -> std::unique_ptr<Simulation> {
+    return std::make_unique<Paced>(pace);
+  };
+  return method;
+}
+
+constexpr double clock_rounding_s = 1e-11;  // of a few differences of times up to some 1e4 s
+
 void timing_takes_turns() {
   const catalogue::Evaluator evaluator(test::report_scenario("double_pendulum", 0.1, 1e-3));
-  std::vector<catalogue::TimedRun> runs;
-  for (const char* name : {"lagrange-euler", "ode-step-double"}) {
-    runs.push_back({&evaluator, &find_method(name), 0, 0, {}});
-  }
+  const catalogue::Method one = paced<quick>("quick"), other = paced<slow>("slow");
+  std::vector<catalogue::TimedRun> runs{{&evaluator, &one, 0, 0, {}}, {&evaluator, &other, 0, 0, {}}};
+  // 0.5 ms take 5 runs of 0.11 ms: rounds of 3, 6 and 4 ms a run in the mean. The slow one is long enough by itself.
+  quick.takes_s = {1.1e-4, 1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 4e-3, 5e-3, 6e-3, 7e-3, 8e-3, 4e-3, 4e-3, 4e-3, 4e-3, 4e-3};
+  slow.takes_s = {9, 7, 2, 4};
   std::vector<int> begun;
-  catalogue::time_in_turns(runs, 3, [&](int round) { begun.push_back(round); });
+  catalogue::time_in_turns(
+      runs, 3, [&](int round) { begun.push_back(round); }, [] { return now_s; });
   CHECK(begun == (std::vector{0, 1, 2, 3}));
-  for (const auto& run : runs) {
-    CHECK_EQUAL(run.seconds.size(), std::size_t{3});
-    CHECK_EQUAL(run.steps, 100L);
-    CHECK(run.batch >= 1 && run.median_s() > 0 && run.mad_s() >= 0);
+  CHECK_EQUAL(turns, "qsqqqqqsqqqqqsqqqqqs");
+  const std::vector<double> wanted[] = {{3e-3, 6e-3, 4e-3}, {7, 2, 4}};
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    CHECK_EQUAL(runs[i].seconds.size(), wanted[i].size());
+    for (std::size_t k = 0; k < wanted[i].size(); ++k) CHECK_NEAR(runs[i].seconds[k], wanted[i][k], clock_rounding_s);
   }
-  CHECK_EQUAL(runs[0].evaluations, 100L);
+  CHECK_EQUAL(runs[0].steps, 1000L);
+  CHECK_EQUAL(runs[1].evaluations, 1000L);
+
+  // A run that no clock sees is done a hundred times over.
+  quick.takes_s.assign(1 + 100, 0);
+  std::vector<catalogue::TimedRun> unseen{{&evaluator, &one, 0, 0, {}}};
+  catalogue::time_in_turns(unseen, 1, {}, [] { return now_s; });
+  CHECK_EQUAL(unseen[0].batch, 100);
+  CHECK(quick.takes_s.empty());
+}
+
+// Of the times 1, 2, 40, 3 and 8 s the middle one is 3 s; from it they are 2, 1, 37, 0 and 5 s away, in the middle 2 s.
+void a_row_of_timings_says_what_was_timed() {
+  const catalogue::Evaluator evaluator(test::report_scenario("double_pendulum", 6, 1e-2));
+  const TimingRow row = catalogue::timing_row({&evaluator, &find_method("lagrange-rk4"), 600, 2400, {1, 2, 40, 3, 8}});
+  CHECK_EQUAL(row.scenario, "double_pendulum");
+  CHECK_EQUAL(row.method, "lagrange-rk4");
+  CHECK_EQUAL(row.step_s, 1e-2);
+  CHECK_EQUAL(row.steps, 600L);
+  CHECK_EQUAL(row.simulated_s, 6.0);
+  CHECK_EQUAL(row.repeats, 5);
+  CHECK_EQUAL(row.median_s, 3.0);
+  CHECK_EQUAL(row.mad_s, 2.0);
+  CHECK_EQUAL(row.min_s, 1.0);
+  CHECK_EQUAL(row.ns_per_step, 5e6);
+  CHECK_EQUAL(row.realtime_factor, 2.0);
+}
+
+// The rows of an equal error are those of the search, timed where it got there.
+void an_equal_error_is_the_searchs() {
+  const Accuracy accuracy(report_pendulum(), 1);
+  const std::vector<const catalogue::Method*> methods{&find_method("lagrange-euler"), &find_method("lagrange-ode45"),
+                                                      &find_method("lagrange-rk4")};
+  const auto rows = catalogue::at_equal_error(accuracy, "report", methods, {1e-5, 2, 1000});
+  CHECK_EQUAL(rows.size(), methods.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const EqualErrorRow& row = rows[i];
+    CHECK_EQUAL(row.scenario, "report");
+    CHECK_EQUAL(row.method, std::string(methods[i]->name));
+    CHECK_EQUAL(row.knob, i == 1 ? "rtol" : "h");
+    const catalogue::Trial trial = accuracy.try_setting(*methods[i], row.setting.value());
+    CHECK_EQUAL(row.error, trial.error);
+    CHECK_EQUAL(row.uncertainty, accuracy.doubt());
+    CHECK_EQUAL(row.steps, trial.steps);
+    CHECK_EQUAL(row.evaluations, trial.evaluations);
+    CHECK_EQUAL(row.why_not.empty(), row.error + row.uncertainty <= 1e-5);
+    CHECK_EQUAL(row.repeats, i == 0 ? 0 : 2);  // Euler does not get there in 1000 steps
+    CHECK_EQUAL(row.median_s > 0, i != 0);
+  }
 }
 
 void the_reports_pendulum_is_known() {
@@ -129,6 +227,36 @@ void the_reports_pendulum_is_known() {
   CHECK(!catalogue::is_of_table_5_2(other));
 }
 
+// A case shows what its method was timed at, whatever else was; what was not timed has no number.
+void table_5_2_shows_what_was_timed() {
+  std::vector<TimingRow> timed(3);
+  const char* const names[] = {"lagrange-rk4", "dh-ode45", "ode-step-double"};
+  for (std::size_t i = 0; i < timed.size(); ++i) {
+    timed[i].method = names[i];
+    timed[i].steps = 10 + static_cast<long>(i);
+    timed[i].median_s = 20 + static_cast<double>(i);
+    timed[i].mad_s = 30 + static_cast<double>(i);
+  }
+  std::string shown;
+  for (const Table52Row& row : catalogue::table_5_2_rows(timed)) {
+    shown += row.number ? std::to_string(*row.number) : "-";
+    shown += " " + row.solver + " " + row.method;
+    if (row.steps) shown += " " + std::to_string(*row.steps) + test::shown(*row.median_s) + test::shown(*row.mad_s);
+    CHECK(row.steps.has_value() == row.median_s.has_value() && row.steps.has_value() == row.mad_s.has_value());
+    CHECK_EQUAL(row.number.has_value(), row.seconds_2010.has_value());
+    shown += "\n";
+  }
+  CHECK_EQUAL(shown,
+              "1 ode45 dh-ode45 112131\n"
+              "2 ode45 dh-ode45 112131\n"
+              "3 ode45 lagrange-ode45\n"
+              "4 Euler lagrange-euler\n"
+              "5 ODE's ode-step-double 122232\n"
+              "- - lagrange-cvode\n"
+              "- - lagrange-rk4 102030\n"
+              "- - ode-rk4-double\n");
+}
+
 /// What stands for a case of Table 5.2 takes its steps; ode45 as many as make the points of 2010.
 void table_5_2_has_the_steps_of_today() {
   catalogue::Evaluator evaluator(report_pendulum());
@@ -146,7 +274,10 @@ int main() {
   tolerances_are_the_loosest();
   what_is_not_reached_is_said();
   timing_takes_turns();
+  a_row_of_timings_says_what_was_timed();
+  an_equal_error_is_the_searchs();
   the_reports_pendulum_is_known();
+  table_5_2_shows_what_was_timed();
   table_5_2_has_the_steps_of_today();
   return test::verdict();
 }

@@ -7,6 +7,9 @@
 #include <sstream>
 
 #include "measure/metrics.hpp"
+#include "output/checks.hpp"
+#include "output/number.hpp"
+#include "output/sweep_table.hpp"
 #include "output/table.hpp"
 #include "output/timing.hpp"
 #include "tests/check.hpp"
@@ -139,6 +142,31 @@ void error_times_fit_the_run() {
   CHECK_EQUAL(error_times_within(grid).size(), 5u);
 }
 
+/// Of JSON, as a cell of CSV shows it.
+std::string cell_of(const json& value) {
+  if (value.is_null()) return "";
+  if (value.is_boolean()) return value.get<bool>() ? "1" : "0";
+  return value.is_string() ? value.get<std::string>() : value.is_number_float() ? number_text(value) : value.dump();
+}
+
+/// Each row of the list, or the object that holds it, has every column of the CSV, with what stands there.
+void check_same(const std::string& csv, const json& file) {
+  std::istringstream text(csv);
+  std::string header, line;
+  std::getline(text, header);
+  const std::vector<std::string> names = cells(header);
+  for (const json& row : file["rows"]) {
+    std::getline(text, line);
+    const std::vector<std::string> values = cells(line);
+    CHECK_EQUAL(values.size(), names.size());
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const json& holder = row.contains(names[i]) ? row : file;
+      CHECK_EQUAL(names[i] + " " + cell_of(holder.at(names[i])), names[i] + " " + values[i]);
+    }
+  }
+  CHECK(!std::getline(text, line));
+}
+
 void timings_have_the_columns_of_the_interface() {
   const TimingRow row{"double_pendulum", "ode-step-double", 1e-3, 10000, 10, 7, 0.0125, 1e-4, 0.012, 1250, 800};
   CHECK_EQUAL(timing_csv({row}),
@@ -146,8 +174,85 @@ void timings_have_the_columns_of_the_interface() {
               "double_pendulum,ode-step-double,0.001,10000,10,7,0.0125,0.0001,0.012,1250,800\n");
   const json all = json::parse(timing_json({row}, {}, {{"compiler", "g++"}}));
   CHECK_EQUAL(all["environment"]["compiler"].get<std::string>(), "g++");
-  CHECK_EQUAL(all["rows"][0]["h"].get<double>(), 1e-3);
-  CHECK_EQUAL(all["rows"][0]["realtime_factor"].get<double>(), 800.0);
+  check_same(timing_csv({row}), all);
+  CHECK_EQUAL(timing_table({row}),
+              "scenario         method            h, s  steps  median, ms    ±   ns/step  times real time\n"
+              "double_pendulum  ode-step-double  0.001  10000        12.5  0.1  1.25e+03              800\n");
+}
+
+// One of each kind and a number of its own for each, so that none is taken for another.
+void checks_say_what_was_held_against_what() {
+  using Verdict = CheckRow::Verdict;
+  const Tolerance both{"ode-step-double", "max_error_q", 2, 0.5, 0.25};
+  const Tolerance least{"lagrange-rk4", "divergence_time", 3, {}, 1};
+  std::vector<CheckRow> rows{{"a", both, 0.375, 1e-9, Verdict::kept}};
+  rows.insert(rows.end(), 2, {"b", least, 0.75, {}, Verdict::failed});
+  rows.insert(rows.end(), 3, {"c", both, 0.5, 0.1, Verdict::undecided});
+  rows.insert(rows.end(), 4, {"d", least, {}, {}, Verdict::left_out});
+  const std::string failed =
+      "b         lagrange-rk4     divergence_time         3           0.75         1        -  FAILED\n";
+  const std::string undecided =
+      "c         ode-step-double  max_error_q             2      0.5 ± 0.1      0.25      0.5  UNDECIDED: within the "
+      "uncertainty\n";
+  const std::string left_out =
+      "d         lagrange-rk4     divergence_time         3              -         1        -  not in this build\n";
+  CHECK_EQUAL(checks_table(rows),
+              "scenario  method           metric           until, s       measured  at least  at most\n"
+              "a         ode-step-double  max_error_q             2  0.375 ± 1e-09      0.25      0.5  kept\n" +
+                  failed + failed + undecided + undecided + undecided + left_out + left_out + left_out + left_out +
+                  "\n10 tolerances: 1 kept, 2 failed, 3 undecided, 4 left out\n");
+
+  const json list = json::parse(checks_json(rows));
+  CHECK_EQUAL(list.size(), rows.size());
+  CHECK_EQUAL(list[0].dump(), json({{"scenario", "a"},
+                                    {"method", "ode-step-double"},
+                                    {"metric", "max_error_q"},
+                                    {"until", 2.0},
+                                    {"measured", 0.375},
+                                    {"reference_uncertainty", 1e-9},
+                                    {"at_least", 0.25},
+                                    {"at_most", 0.5},
+                                    {"verdict", "kept"}})
+                                  .dump());
+  CHECK(list[1]["at_most"].is_null() && list[1]["reference_uncertainty"].is_null() && list[9]["measured"].is_null());
+  CHECK_EQUAL(list[1]["verdict"].get<std::string>(), "FAILED");
+  CHECK_EQUAL(list[3]["verdict"].get<std::string>(), "UNDECIDED: within the uncertainty");
+  CHECK_EQUAL(list[9]["verdict"].get<std::string>(), "not in this build");
+}
+
+// Every column of a sweep's results is found again under its name, and what is empty is no number.
+void a_row_of_a_sweep_holds_every_metric() {
+  Outcome outcome;
+  outcome.steps = 101;
+  outcome.evaluations = 202;
+  outcome.messages = 303;
+  Metrics metrics;
+  metrics.max_error_q = 0.1;
+  metrics.max_energy_drift = 1e-300;
+  metrics.final_energy_drift = -2.5;
+  metrics.max_gap = infinity;
+  const std::vector<std::string> columns = result_columns();
+  const std::string row = result_cells(outcome, metrics);
+  const auto value = [&](std::string_view name) {
+    return number_in(row, static_cast<std::size_t>(std::ranges::find(columns, name) - columns.begin()));
+  };
+  CHECK_EQUAL(cells(row).size(), columns.size());
+  CHECK_EQUAL(value("steps"), 101.0);
+  CHECK_EQUAL(value("evaluations"), 202.0);
+  CHECK_EQUAL(value("messages"), 303.0);
+  for (const MetricRow& metric : metric_table()) {
+    const std::optional<double> wanted = metric.value(metrics);
+    CHECK(wanted ? value(metric.name) == *wanted : std::isnan(value(metric.name)));
+  }
+  CHECK(std::isnan(number_in(row, columns.size())));
+  CHECK(std::isnan(number_in("1,2x,3", 1)) && number_in("1,2x,3", 2) == 3);
+  const std::vector<std::string> keys{"q0", "method"};
+  const std::vector<std::string> names{"steps", "max_gap", "rest_time"};
+  CHECK_EQUAL(sweep_header(keys, names), "run,q0,method,status,reason,steps,max_gap,rest_time\n");
+  const std::vector<std::string> values{"[1,2]", "m"};
+  CHECK_EQUAL(sweep_line(7, values, "ok", "", "3,0.5,", 3), "7,\"[1,2]\",m,ok,,3,0.5,\n");
+  CHECK_EQUAL(sweep_line(8, values, "crashed", "no, \"it\" did", "", 3),
+              "8,\"[1,2]\",m,crashed,\"no, \"\"it\"\" did\",,,\n");
 }
 
 void tables_are_aligned() {
@@ -191,10 +296,17 @@ void missing_timings_stay_missing() {
               "   5  ODE        ODE's        10000  0.29      1  ode-step-double  10000  20  1      1\n"
               "   -  -          -                -     -      -  lagrange-rk4     10000   5  1   0.25\n");
   const json timing = json::parse(timing_json({}, table, {{"compiler", "GNU"}}));
-  CHECK(timing["table_5_2"][0]["median_s"].is_null());
-  CHECK_EQUAL(timing["table_5_2"][0]["seconds_2010"].get<double>(), 1.16);
-  CHECK_EQUAL(timing["table_5_2"][1]["median_s"].get<double>(), 0.02);
-  CHECK(timing["table_5_2"][2]["case"].is_null());
+  const auto row_text = [&](std::size_t row) {
+    std::string text;
+    for (const char* key :
+         {"case", "equations", "solver", "steps_2010", "seconds_2010", "method", "steps", "median_s", "mad_s"}) {
+      text += cell_of(timing["table_5_2"][row].at(key)) + ",";
+    }
+    return text;
+  };
+  CHECK_EQUAL(row_text(0), "4,by hand,Euler,10000,1.16,lagrange-euler,,,,");
+  CHECK_EQUAL(row_text(1), "5,ODE,ODE's,10000,0.29,ode-step-double,10000,0.02,0.001,");
+  CHECK_EQUAL(row_text(2), ",-,-,,,lagrange-rk4,10000,0.005,0.001,");
   CHECK(!json::parse(timing_json({}, {}, {})).contains("table_5_2"));
 
   EqualErrorRow reached{"s", "m", "h", 0.25, 1e-4, 1e-9, "", 40, 160, 3, 0.5, 0.125};
@@ -206,9 +318,13 @@ void missing_timings_stay_missing() {
       "s,m,0.001,2,1,h,0.25,0.0001,1e-09,40,160,3,0.5,0.125\n"
       "s,n,0.001,2,0,,,0.01,1e-09,40,0,0,,\n");
   const json equal = json::parse(equal_error_json({reached, failed}, 1e-3, 2, {}));
-  CHECK_EQUAL(equal["rows"][0]["setting"].get<double>(), 0.25);
-  CHECK(equal["rows"][1]["setting"].is_null() && equal["rows"][1]["median_s"].is_null());
-  CHECK(equal_error_table({failed}).find("not reached: no knob") != std::string::npos);
+  check_same(equal_error_csv({reached, failed}, 1e-3, 2), equal);
+  CHECK_EQUAL(equal["rows"][1]["why_not"].get<std::string>(), "no knob");
+  CHECK_EQUAL(
+      equal_error_table({reached, failed}),
+      "scenario  method  setting       error, rad  steps  evaluations  median, ms    ±\n"
+      "s         m       h = 0.25  0.0001 ± 1e-09     40          160         500  125\n"
+      "s         n       -           0.01 ± 1e-09     40            -           -    -  not reached: no knob\n");
 }
 
 }  // namespace
@@ -221,5 +337,7 @@ int main() {
   timings_have_the_columns_of_the_interface();
   tables_are_aligned();
   missing_timings_stay_missing();
+  checks_say_what_was_held_against_what();
+  a_row_of_a_sweep_holds_every_metric();
   return odeval::test::verdict();
 }

@@ -1,0 +1,273 @@
+// What a sweep says of its runs: which share a reference, and what the tables, the front and the exit status make of a
+// journal with runs of every kind, whose numbers are chosen here.
+#include "cli/sweep_answer.hpp"
+
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <iostream>
+#include <iterator>
+#include <set>
+#include <sstream>
+
+#include "catalogue/grid_runs.hpp"
+#include "catalogue/paths.hpp"
+#include "catalogue/reference_bytes.hpp"
+#include "cli/settings.hpp"
+#include "output/sweep_table.hpp"
+#include "scenario/find_scenario.hpp"
+#include "tests/check.hpp"
+
+namespace {
+
+using namespace odeval;
+using sweep::Status;
+namespace fs = std::filesystem;
+
+std::string text_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+ScenarioFile file_of(const std::string& scenario) {
+  return ScenarioFile(find_scenario(scenario, catalogue::scenario_folder()));
+}
+
+/// The results of a run with these numbers and no others.
+std::string cells(std::optional<double> error, double uncertainty, double gap, double energy = 0) {
+  Outcome outcome;
+  outcome.steps = 1000;
+  Metrics metrics;
+  metrics.max_error_q = error;
+  if (error) metrics.reference_uncertainty = uncertainty;
+  metrics.max_gap = gap;
+  metrics.final_energy_drift = energy;
+  return result_cells(outcome, metrics);
+}
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// Three methods at four values each, so that run 3 i + j is method j at value i.
+const std::vector<std::string> erps{"0.1", "0.2", "0.4", "0.8"};
+const std::vector<std::string> methods{"lagrange-cvode", "lagrange-rk4", "ode-step-double"};
+const std::vector<sweep::Row> rows{
+    {Status::ok, "", 1, cells(0, 1e-9, 0)},  // the reference, which is the cheapest and without error
+    {Status::ok, "", 4000, cells(1e-3, 1e-9, 0, 0.5)},
+    {Status::ok, "", 2000, cells(2e-2, 1e-9, 3e-3, -2)},
+    {Status::ok, "", 2, cells(0, 1e-9, 0)},
+    {Status::ok, "", 5000, cells(5e-3, 1e-9, 0, 1)},  // dearer and worse than run 1
+    {Status::diverged, "not finite at t = 1 s", 10, cells(infinity, 1e-9, 1e141, infinity)},  // cheaper than all
+    {Status::timeout, "what its runs share: took longer than 0.5 s", 500000, ""},
+    {Status::crashed, "ended by signal 11 (Segmentation fault)", 0, ""},
+    {Status::timeout, "took longer than 0.5 s", 500000, ""},
+    {Status::ok, "", 3, cells(0, 1e-9, 0)},
+    {Status::ok, "", 9000, cells(4e-10, 1e-9, 0, 0.5)},  // below what the reference knows
+    {Status::ok, "", 9500, cells(3e-10, 1e-9, 1e-4, 0.5)},
+};
+
+sweep::Head head_of_rows() {
+  return {"double_pendulum",
+          {},
+          {{"ode.erp", erps}, {"method", methods}},
+          result_columns(),
+          file_of("double_pendulum").text({}),
+          "odeval 1\n"};
+}
+
+/// Cells of a row in a table of this sweep: run, its values, status, reason, results.
+std::string line_of(std::size_t run) {
+  const sweep::Row& row = rows[run];
+  const std::string results = row.cells.empty() ? std::string(result_columns().size() - 1, ',') : row.cells;
+  return std::to_string(run) + "," + erps[run / 3] + "," + methods[run % 3] + "," +
+         std::string(sweep::status_name(row.status)) + "," + row.reason + "," + results + "\n";
+}
+
+struct Answer {
+  int status;
+  std::string said;
+  std::string table, timing, front;
+};
+
+/// What is answered to a journal with those of the rows.
+Answer answer_to(const fs::path& folder, const std::vector<std::size_t>& runs, const cli::AnswerOptions& options) {
+  fs::remove_all(folder);
+  sweep::Journal journal(cli::journal_file(folder, "double_pendulum"), head_of_rows());
+  for (const std::size_t run : runs) journal.append(static_cast<long>(run), rows[run]);
+  std::ostringstream said;
+  std::streambuf* const before = std::cout.rdbuf(said.rdbuf());
+  const int status = cli::answer(journal, folder, options);
+  std::cout.rdbuf(before);
+  const auto file = [&](const char* end) { return text_of(folder / "sweep" / (std::string("double_pendulum") + end)); };
+  return {status, said.str(), file(".csv"), file("-timing.csv"), file("-front.csv")};
+}
+
+const std::string table_header = [] {
+  std::string header = "run,ode.erp,method,status,reason";
+  for (const std::string& column : result_columns()) header += "," + column;
+  return header + "\n";
+}();
+
+void every_run_has_its_row(const fs::path& folder) {
+  const Answer all = answer_to(folder, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, {});
+  CHECK_EQUAL(all.status, 1);
+  std::string wanted = table_header;
+  for (std::size_t run = 0; run < rows.size(); ++run) wanted += line_of(run);
+  CHECK_EQUAL(all.table, wanted);
+  CHECK_EQUAL(all.timing,
+              "run,cpu_s\n0,1e-06\n1,0.004\n2,0.002\n3,2e-06\n4,0.005\n5,1e-05\n6,\n7,0\n8,\n9,3e-06\n10,0.009\n"
+              "11,0.0095\n");
+  CHECK(all.said.starts_with(
+      "double_pendulum: 12 runs (4 ode.erp × 3 method): 8 ok, 1 diverged, 1 crashed, 2 timeout\n"));
+
+  // Rows that came in another order, and not all of them.
+  const Answer some = answer_to(folder, {11, 4, 1}, {"", true});
+  CHECK_EQUAL(some.status, 0);
+  CHECK_EQUAL(some.table, table_header + line_of(1) + line_of(4) + line_of(11));
+  CHECK_EQUAL(some.timing, "run,cpu_s\n1,0.004\n4,0.005\n11,0.0095\n");
+  CHECK_EQUAL(some.said, "");
+  // No status but `ok` is a success.
+  for (const std::size_t bad : {5U, 6U, 7U}) CHECK_EQUAL(answer_to(folder, {1, bad}, {"", true}).status, 1);
+}
+
+/// Run 2 is the cheapest that went through and is no reference. Run 1 is dearer and better; of runs 10 and 11 the
+/// reference knows no more than that they are good to 2e-9, and 10 is the cheaper one.
+void the_front_is_of_runs_that_went_through(const fs::path& folder) {
+  const std::vector<std::size_t> all{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+  const Answer angles = answer_to(folder, all, {});
+  CHECK_EQUAL(angles.front, "cpu_s,max_error_q,reference_uncertainty," + table_header + "0.002,0.02,1e-09," +
+                                line_of(2) + "0.004,0.001,1e-09," + line_of(1) + "0.009,4e-10,1e-09," + line_of(10));
+  CHECK(angles.said.find("CPU, ms  max_error_q, rad  ode.erp  method           steps  run\n"
+                         "      2      0.02 ± 1e-09  0.1      ode-step-double   1000    2\n"
+                         "      4     0.001 ± 1e-09  0.1      lagrange-rk4      1000    1\n"
+                         "      9     4e-10 ± 1e-09  0.8      lagrange-rk4      1000   10\n") != std::string::npos);
+  // An error that needs no reference: the run that blew up has one, 1e141 m, and was the cheapest.
+  CHECK_EQUAL(
+      answer_to(folder, all, {"max_gap", true}).front,
+      "cpu_s,max_gap,reference_uncertainty," + table_header + "0.002,0.003,," + line_of(2) + "0.004,0,," + line_of(1));
+  // A size counts, not a sign: a loss of 2 J is worse than a gain of half of one.
+  CHECK_EQUAL(answer_to(folder, all, {"final_energy_drift", true}).front,
+              "cpu_s,final_energy_drift,reference_uncertainty," + table_header + "0.002,2,," + line_of(2) +
+                  "0.004,0.5,," + line_of(1));
+  const Answer none = answer_to(folder, {0, 5, 6, 7, 8}, {});
+  CHECK_EQUAL(none.front, "cpu_s,max_error_q,reference_uncertainty," + table_header);
+  CHECK(none.said.find("no run that is ok has a max_error_q of its own: there is no front\n") != std::string::npos);
+  CHECK(answer_to(folder, {5, 8}, {}).said.find("no run is ok: there is no front\n") != std::string::npos);
+}
+
+// Keys of a scenario with two values each: those that change the true motion, or the times at which it is looked at;
+// those of the engine; and those that would change another motion but not this one.
+struct Case {
+  const char* scenario;
+  const char* settings;  // KEY=VALUE, or nothing
+  std::vector<const char*> motion;
+  std::vector<const char*> engine;
+  std::vector<const char*> in_vain = {};
+};
+
+const std::vector<Case> cases{
+    {"double_pendulum",
+     "duration=0.05",
+     {"q0=[0.5,0.5],[0.1,1.0]", "qd0=[0.5,0.5],[0.1,1.0]", "gravity=9.8,3.7", "links.0.mass=1.0,2.0",
+      "links.1.length=1.0,1.5", "links.0.width=0.1,0.2", "links.1.shape=\"box\",\"sphere\"", "step=0.001,0.002",
+      "sample=0.01,0.005"},
+     {"ode.erp=0.1,0.8", "ode.cfm=1e-5,1e-9", "ode.iterations=10,50", "ode.sor_w=1.0,1.3", "ode.bounce=0.5,0.7",
+      "ode.bounce_vel=0.0,0.1", "ode.max_correcting_vel=0.1,inf", "ode.surface_layer=0.0,0.001",
+      "ode.friction_axes=\"plane-space\",\"sliding\"", "ode.start=\"as-given\",\"half-step\"", "ode.seed=1,2",
+      "ode.gyroscopic=\"on\",\"off\"", "maximal.ks=400.0,100.0", "maximal.kd=40.0,20.0", "rtol=1e-3,1e-6",
+      "atol=1e-6,1e-9"},
+     {"links.0.depth=0.1,0.2"}},
+    {"single_pendulum", "", {"duration=0.1,0.2"}, {}},
+    {"double_pendulum", "ode.kd=10.0", {}, {"ode.kp=100.0,1000.0"}},
+    {"double_pendulum", "ode.kp=100.0", {}, {"ode.kd=1.0,10.0"}},
+    {"chain", "duration=0.05", {"n=3,4"}, {}},
+    {"wall_pendulum", "duration=0.6", {"wall.face=0.9,0.8", "wall.restitution=1.0,0.5"}, {"ode.bounce=0.9,0.5"}},
+    {"free_box",
+     "duration=0.1",
+     {"bodies.0.size=[0.2,0.3,0.4],[0.2,0.3,0.5]", "bodies.0.position=[0,0,1],[0,0,2]",
+      "bodies.0.turn=[0,0,0],[0.1,0,0]", "bodies.0.velocity=[0,0,1],[0,0,2]", "bodies.0.spin=[0,0,1],[0,0,2]"},
+     {"ode.gyroscopic=\"on\",\"off\""},
+     {"bodies.0.mass=1.0,2.0"}},
+    {"free_box", "bodies.0.size=[0.2,0.2,0.2]", {}, {}, {"bodies.0.shape=\"box\",\"sphere\""}},
+    {"thin_body", "duration=0.1", {"bodies.0.aspect=10.0,100.0"}, {}},
+    {"bouncing_ball",
+     "",
+     {"ground.restitution=0.5,0.8"},
+     {"ode.erp=0.2,0.5", "ode.bounce=0.5,0.7", "ode.cfm=0.0,1e-5"}},
+    {"friction_slide", "", {"ground.slope=0.0,0.1", "ground.friction=0.1,0.2"}, {}},
+    {"friction_slide", "ground.friction_model=\"constant\"", {"bodies.0.mass=1.0,2.0"}, {}},
+    {"friction_slide", "", {"ground.friction_model=\"pyramid\",\"constant\""}, {}},
+    // The spring that ODE makes of a joint is the truth's as well.
+    {"spring_joint",
+     "",
+     {"joint.displacement=[0,0,0.01],[0,0,0.02]", "ode.kp=100.0,200.0", "ode.kd=1.0,2.0"},
+     {"ode.iterations=10,50"}},
+    {"open_hinge",
+     "",
+     {"ode.erp=0.2,0.5", "ode.cfm=0.0,1e-5"},
+     {"ode.sor_w=1.0,1.3"},
+     {"joint.anchor=[0,0,1.5],[0,0,1.4]", "joint.axis=[0,1,0],[1,0,0]", "joint.kind=\"hinge\",\"ball\""}},
+};
+
+struct Pair {
+  bool shared;  // one reference for both
+  bool same;    // their references, each solved for its own run, are equal to the last bit
+};
+
+Pair of_grid(const Case& one, const char* axis) {
+  const ScenarioFile file = file_of(one.scenario);
+  std::vector<Override> settings;
+  const std::string setting = one.settings;
+  if (const std::size_t equals = setting.find('='); equals != std::string::npos) {
+    settings.push_back({setting.substr(0, equals), setting.substr(equals + 1), "--set"});
+  }
+  catalogue::GridRuns runs(file, settings, cli::known_names(),
+                           sweep::Grid({sweep::parse_axis(axis, [](const std::string&) { return false; }),
+                                        {"method", {"ode-step-double"}}}));
+  const std::vector<std::uint32_t> groups = runs.groups();
+  const auto truth = [&](long run) {
+    return catalogue::reference_bytes(catalogue::Evaluator(runs.scenario(run)).reference());
+  };
+  return {groups[0] == groups[1], truth(0) == truth(1)};
+}
+
+/// KEY of KEY=VALUES, without the number of a link or body.
+std::string key_of(const std::string& axis) {
+  std::string key = axis.substr(0, axis.find('='));
+  if (const std::size_t number = key.find_first_of("01"); number != std::string::npos && key[number - 1] == '.') {
+    key.erase(number, 2);
+  }
+  return key;
+}
+
+void runs_share_the_reference_of_their_motion() {
+  std::set<std::string> seen{"problem", "methods"};
+  const auto check = [&](const Case& one, const char* axis, const std::function<bool(const Pair&)>& right) {
+    const Pair pair = of_grid(one, axis);
+    if (!right(pair)) std::printf("%s --grid %s: shared %d, same %d\n", one.scenario, axis, pair.shared, pair.same);
+    CHECK(right(pair));
+    seen.insert(key_of(axis));
+  };
+  for (const Case& one : cases) {
+    for (const char* axis : one.motion) check(one, axis, [](const Pair& p) { return !p.shared && !p.same; });
+    for (const char* axis : one.engine) check(one, axis, [](const Pair& p) { return p.shared && p.same; });
+    for (const char* axis : one.in_vain) check(one, axis, [](const Pair& p) { return p.same; });
+  }
+  for (const KeyRow& row : key_table()) {
+    const std::string key = (row.section.empty() ? "" : std::string(row.section) + ".") + std::string(row.name);
+    if (row.section == "tolerances" || seen.contains(key)) continue;
+    std::printf("%s is in no case\n", key.c_str());
+    CHECK(seen.contains(key));
+  }
+}
+
+}  // namespace
+
+int main() {
+  std::string name = (fs::temp_directory_path() / "odeval-answer-test-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) return 1;
+  every_run_has_its_row(name + "/rows");
+  the_front_is_of_runs_that_went_through(name + "/front");
+  runs_share_the_reference_of_their_motion();
+  fs::remove_all(name);
+  return test::verdict();
+}
