@@ -57,7 +57,7 @@ void make_thin(Draft& draft) {
 }
 
 void check_bodies(const Draft& draft) {
-  for (const char* key : {"links", "q0", "qd0", "maximal"}) draft.refuse(key);
+  for (const char* key : {"n", "links", "q0", "qd0", "maximal"}) draft.refuse(key);
   if (draft.scenario.bodies.empty()) {
     draft.fail("bodies", "0 tables",
                fmt::format("must be tables [[bodies]], at least one, for {}", draft.scenario.problem->name));

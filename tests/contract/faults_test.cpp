@@ -1,4 +1,6 @@
 // What ODE would abort on ends as a diverged run with the rows so far, and the next run is as good as ever.
+#include <limits>
+
 #include "odeval/error.hpp"
 #include "output/trace_csv.hpp"
 #include "tests/check.hpp"
@@ -42,6 +44,18 @@ int main() {
 
     CHECK(trace_csv(catalogue::Evaluator(calm).evaluate(method).trace) == before);
   }
+
+  // The accurate step refuses what it cannot do, and leaves the world as it was: a run that ended as well.
+  Scenario coarse = test::report_scenario("double_pendulum", 10.0, 0.05);
+  catalogue::Evaluator evaluator(coarse);
+  const auto refused = evaluator.evaluate(catalogue::find_method("ode-rk4-double"));
+  std::printf("ode-rk4-double: %ld steps; %s\n", refused.outcome.steps, refused.outcome.reason.c_str());
+  CHECK(refused.outcome.diverged);
+  CHECK(refused.outcome.reason.find("AccurateStep: the hinge") != std::string::npos);
+  CHECK(refused.outcome.reason.find("take a smaller one in the step from t = ") != std::string::npos);
+  CHECK_EQUAL(refused.trace.rows(), static_cast<std::size_t>(refused.outcome.steps + 1));
+  CHECK(refused.trace.rows() < static_cast<std::size_t>(evaluator.grid().rows));
+  CHECK_EQUAL(evaluator.measure(refused, 10).max_error_q.value_or(0), std::numeric_limits<double>::infinity());
 
   // A body ODE would abort on is refused with a message. The reader of scenarios never lets one through.
   Scenario massless = calm;

@@ -9,6 +9,7 @@
 #include "scenario/find_scenario.hpp"
 #include "scenario/read_scenario.hpp"
 #include "tests/check.hpp"
+#include "tests/oracle/body_reference.hpp"
 #include "tests/scenarios.hpp"
 
 namespace {
@@ -57,20 +58,22 @@ Walk walked(long double height, long double rate, long double gravity, long doub
 }
 
 void closed_form() {
+  test::Coverage coverage("balls");
   for (const double e : {0.0, 0.3, 0.7, 0.99, 0.999999, 1.0}) {
     for (const auto& [height, rate] : {std::pair{1.0, 0.0}, std::pair{0.5, 2.0}, std::pair{2.0, -3.0}}) {
-      const auto motion = reference::make_body_motion(ball(height, rate, e));
+      const Scenario scenario = ball(height, rate, e);
+      const auto motion = reference::make_body_motion(scenario);
       for (double t = 0.0137; t < 20; t += 0.37) {
         const Walk wanted = walked(height, rate, 9.81L, e, t);
         const BodyState state = state_at(*motion, t);
-        CHECK_NEAR(state.position[2] - radius, static_cast<double>(wanted.height), motion->doubt(t).position_m);
-        CHECK_NEAR(state.position[0], 0.3 * t, motion->doubt(t).position_m);
+        test::add_position(coverage, scenario, t, 0, {0.3L * t, 0, radius + wanted.height});
         // Where the bounces gather, the walk ends at a rate of 1e-12; before, rates change by g times the time's error.
         CHECK_NEAR(state.velocity[2], static_cast<double>(wanted.rate), 1e-11);
         CHECK(motion->doubt(t).position_m < 1e-11);
       }
     }
   }
+  coverage.check(0.022);
 }
 
 void rest() {

@@ -8,6 +8,7 @@
 #include "odeval/error.hpp"
 #include "reference/bodies/damped_oscillator.hpp"
 #include "tests/check.hpp"
+#include "tests/oracle/body_reference.hpp"
 #include "tests/scenarios.hpp"
 
 namespace {
@@ -118,7 +119,29 @@ void conversion() {
   CHECK_NEAR(softness_of({100, 0.3}, 1e-3).cfm, 2.5, 1e-15);
 }
 
-// The closed form against its own equation, integrated in long double by its Taylor series, within what it claims.
+struct LongDeflection {
+  long double x;
+  long double v;
+};
+
+/// A step of the oscillator's own equation in long double, by its Taylor series.
+LongDeflection stepped(const DampedOscillator& oscillator, const LongDeflection& now, long double h) {
+  const long double m = oscillator.mass_kg, kp = oscillator.kp_N_m, kd = oscillator.kd_Ns_m;
+  // x^(j+2) = -(kp x^(j) + kd x^(j+1)) / m, the first with gravity on top.
+  long double terms[30] = {now.x, now.v};
+  terms[2] = -(kp * now.x + kd * now.v) / m - oscillator.gravity;
+  for (int j = 1; j < 28; ++j) terms[j + 2] = -(kp * terms[j] + kd * terms[j + 1]) / m;
+  LongDeflection next{0, 0};
+  long double power = 1;
+  for (int j = 0; j < 29; ++j) {
+    next.x += terms[j] * power;
+    next.v += terms[j + 1] * power;
+    power *= h / (j + 1);
+  }
+  return next;
+}
+
+// The closed form against its own equation, within what it claims.
 void closed_form() {
   const double m = 2;
   const double kp = 150;
@@ -126,27 +149,14 @@ void closed_form() {
   for (const double damping : {0.0, 0.1, 0.999999, 1.0, 1.000001, 3.0, 100.0}) {
     const DampedOscillator oscillator{m, kp, damping * critical, 9.81};
     const Deflection start{0.05, -0.3};
-    long double x = start.x;
-    long double v = start.v;
+    LongDeflection exact{start.x, start.v};
     const double h = 1.0 / 4096;  // exact in binary
     for (int n = 1; n <= 2 * 4096; ++n) {
-      // x^(j+2) = -(kp x^(j) + kd x^(j+1)) / m, the first with gravity on top.
-      long double terms[30] = {x, v};
-      terms[2] = -(kp * x + static_cast<long double>(oscillator.kd_Ns_m) * v) / m - oscillator.gravity;
-      for (int j = 1; j < 28; ++j) {
-        terms[j + 2] = -(kp * terms[j] + static_cast<long double>(oscillator.kd_Ns_m) * terms[j + 1]) / m;
-      }
-      long double power = 1;
-      x = v = 0;
-      for (int j = 0; j < 29; ++j) {
-        x += terms[j] * power;
-        v += terms[j + 1] * power;
-        power *= static_cast<long double>(h) / (j + 1);
-      }
+      exact = stepped(oscillator, exact, h);
       if (n % 512 != 0) continue;
       const Deflection found = oscillator.at(n * h, start);
-      CHECK_NEAR(found.x, static_cast<double>(x), oscillator.doubt(n * h, start));
-      CHECK_NEAR(found.v, static_cast<double>(v), 1e-12 * (1 + damping));
+      CHECK_NEAR(found.x, static_cast<double>(exact.x), oscillator.doubt(n * h, start));
+      CHECK_NEAR(found.v, static_cast<double>(exact.v), 1e-12 * (1 + damping));
     }
     // Back again in time, as the half-step start asks.
     CHECK_NEAR(oscillator.at(-1e-3, oscillator.at(1e-3, start)).x, start.x, 1e-14);
@@ -155,6 +165,42 @@ void closed_form() {
   const DampedOscillator sinking{2, 0, 5, 9.81};
   CHECK_NEAR(sinking.at(100, {0, 0}).v, -2 * 9.81 / 5, 1e-12);
   CHECK_NEAR(sinking.at(1e-3, {0, 1}).x, 1e-3 - (9.81 + 2.5) * 5e-7 + 2.5 * (9.81 + 2.5) * 1e-9 / 6, 1e-11);
+}
+
+// What errors of bodies are measured against, within what it says of itself: a spring with one body on the world, and
+// two bodies that a rigid joint pulls together while they fall.
+void stated_uncertainty() {
+  test::Coverage of_springs("bodies on springs");
+  for (const double kd : {0.0, 4.0, 40.0, 4000.0}) {
+    Scenario scenario = cube(Joint::Kind::ball, 9.81);
+    scenario.ode.spring = Spring{150, kd};
+    const Body& body = scenario.bodies[0];
+    std::array<LongDeflection, 3> exact;
+    for (std::size_t k = 0; k < 3; ++k) exact[k] = {body.position_m[k], body.velocity_m_s[k]};
+    const double h = 1.0 / 1024;
+    for (int n = 1; n <= 8 * 1024; ++n) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        exact[k] = stepped({body.mass_kg, 150, kd, k == 2 ? scenario.gravity : 0}, exact[k], h);
+      }
+      if (n % 512 == 0) test::add_position(of_springs, scenario, n * h, 0, {exact[0].x, exact[1].x, exact[2].x});
+    }
+  }
+  of_springs.check(0.019);
+
+  test::Coverage of_rigid("bodies in a rigid joint");
+  Scenario scenario = sticks(9.81);
+  scenario.ode.erp = 0.2;
+  scenario.ode.cfm = 0;
+  const long double h = scenario.step_s;
+  for (int n = 1; n <= 1000; n += n < 20 ? 1 : 49) {
+    const long double left = std::pow(1 - static_cast<long double>(0.2), n);
+    const long double fallen = scenario.gravity * h * h * n * (n + 1) / 2;
+    const long double closed = (1 - left) * 0.02;
+    const double t = n * scenario.step_s;
+    test::add_position(of_rigid, scenario, t, 0, {0, 0, scenario.bodies[0].position_m[2] - 0.75L * closed - fallen});
+    test::add_position(of_rigid, scenario, t, 1, {0, 0, scenario.bodies[1].position_m[2] + 0.25L * closed - fallen});
+  }
+  of_rigid.check(0.22);
 }
 
 struct Errors {
@@ -293,6 +339,7 @@ void refusals() {
 int main() {
   conversion();
   closed_form();
+  stated_uncertainty();
   law_in_closed_form();
   discrete_law();
   oscillator_order();

@@ -9,6 +9,7 @@
 #include "measure/metrics.hpp"
 #include "output/checks.hpp"
 #include "output/number.hpp"
+#include "output/run_report.hpp"
 #include "output/sweep_table.hpp"
 #include "output/table.hpp"
 #include "output/timing.hpp"
@@ -124,6 +125,214 @@ void csv_has_a_row_a_method() {
   broken.outcome.diverged = true;
   broken.outcome.reason = "said \"no\", twice\nand stopped";
   CHECK(summary_csv({broken}).find(",true,\"said \"\"no\"\", twice and stopped\",") != std::string::npos);
+}
+
+// A spring is shown as it was given and as ODE was told, whatever erp and cfm say; without one the softness as both.
+void softness_is_shown_both_ways() {
+  RunSummary run = example();
+  run.scenario.ode.spring = Spring{1e4, 1};
+  const json given = json::parse(summary_json(run))["settings"]["ode"];
+  CHECK_EQUAL(given["kp"].get<double>(), 1e4);
+  CHECK_EQUAL(given["kd"].get<double>(), 1.0);
+  CHECK_NEAR(given["erp"].get<double>(), 10.0 / 11, 1e-15);  // h kp / (h kp + kd), report eq. 3.6
+  CHECK_NEAR(given["cfm"].get<double>(), 1.0 / 11, 1e-15);   // 1 / (h kp + kd)
+  run.scenario.ode.spring.reset();
+  run.scenario.ode.erp = 0.25;
+  run.scenario.ode.cfm = 2.5;
+  const json told = json::parse(summary_json(run))["settings"]["ode"];
+  CHECK_EQUAL(told["erp"].get<double>(), 0.25);
+  CHECK_EQUAL(told["cfm"].get<double>(), 2.5);
+  CHECK_NEAR(told["kp"].get<double>(), 100, 1e-12);
+  CHECK_NEAR(told["kd"].get<double>(), 0.3, 1e-15);
+}
+
+/// A run that dWorldStep might have made: until 1 s and until 2 s its clock is so many steps ahead, which explains all
+/// of its error but for a part.
+RunSummary shifted(double steps, double left) {
+  RunSummary run = example();
+  for (Metrics& until : run.error_at) {
+    until.max_error_q = 4e-3 * until.until_s;
+    until.time_shift = steps * run.grid.step_s;
+    until.error_q_after_shift = left * *until.max_error_q;
+  }
+  return run;
+}
+
+bool says(const std::string& text, const std::string& line) { return text.find(line) != std::string::npos; }
+
+void the_report_of_a_run_gives_hints() {
+  const auto report = [](const RunSummary& run) { return run_report({run}, std::vector<double>{1250}, Reference{}); };
+  const std::string hint =
+      "half step  to 2 s ode-step-double is 0.46 steps ahead of the reference; shifted back, of its error of 0.008 rad "
+      "0.0004 rad is left: try --start half-step\n";
+  CHECK(says(report(shifted(0.46, 0.05)), hint));  // the longer span of the two
+  RunSummary second = shifted(0.46, 0.5);          // where half a step explains too little, another method's is said
+  second.method = "ode-quickstep-double";
+  CHECK(says(run_report({second, shifted(0.46, 0.05)}, {}, Reference{}), hint));
+  RunSummary early = shifted(0.46, 0.05);
+  early.error_at[1].error_q_after_shift = early.error_at[1].max_error_q;
+  CHECK(says(report(early), "half step  to 1 s"));
+  CHECK(!says(report(shifted(0.46, 0.11)), "half step"));
+  CHECK(!says(report(shifted(0.39, 0.05)), "half step"));
+  CHECK(!says(report(shifted(0.61, 0.05)), "half step"));
+  CHECK(!says(report(shifted(-0.5, 0.05)), "half step"));
+  RunSummary started = shifted(0.5, 0.05);
+  started.scenario.ode.start = Start::half_step;
+  CHECK(!says(report(started), "half step"));
+  RunSummary other = shifted(0.5, 0.05);
+  other.uses_ode = false;
+  CHECK(!says(report(other), "half step"));
+}
+
+/// The cells of a table's first row, which stand at least two blanks apart.
+std::vector<std::string> first_row(const std::string& table) {
+  std::istringstream lines(table);
+  std::string line;
+  std::getline(lines, line);
+  std::getline(lines, line);
+  std::vector<std::string> parts;
+  for (std::size_t at = line.find_first_not_of(' '); at < line.size(); at = line.find_first_not_of(' ', at)) {
+    const std::size_t end = std::min(line.find("  ", at), line.size());
+    parts.push_back(line.substr(at, end - at));
+    at = end;
+  }
+  return parts;
+}
+
+// Each column of the printed tables holds its own number.
+void printed_tables_hold_their_numbers() {
+  const auto same = [](const std::string& table, const std::vector<std::string>& wanted) {
+    odeval::test::report(first_row(table) == wanted, __FILE__, __LINE__, "the first row is not as wanted:\n" + table);
+  };
+  RunSummary run = example();
+  run.error_at.resize(3);
+  run.error_at[1].max_error_q = 0.021;
+  run.error_at[1].max_error_position = run.error_at[1].max_error_turn = 0.021;
+  run.error_at[2].until_s = 3;
+  run.error_at[2].max_error_q = 0.03;
+  run.error_at[2].reference_uncertainty = 7e-12;
+  run.metrics.divergence_time = 2.25;
+  run.metrics.max_gap = 3e-5;
+  run.metrics.max_out_of_plane = 4e-5;
+  same(summary_table({run}, std::vector<double>{1250}), {"ode-step-double", "0.0089 ± 6e-12", "0.03 ± 7e-12",
+                                                         "0.25 ± 6e-12", "2.25", "0.0001", "3e-05", "2", "1.25", "ok"});
+  run.metrics.reference_uncertainty = 1.5;  // rad: nobody knows
+  CHECK_EQUAL(first_row(summary_table({run}, {})).at(3), "reference lost");
+  same(impacts_table({run}, {{0.4921, -1.62, -5, 5, 0}}),
+       {"ode-step-double", "1", "0.5", "-1.62", "-5", "4", "0.8", "0.001", "+0.0079"});
+  run.outcome.impacts[0].link = 2;
+  CHECK_EQUAL(first_row(impacts_table({run}, {})).at(1), "1 of 2");
+
+  run.scenario.problem = &*std::ranges::find(problems, "free_box", &Problem::name);
+  run.error_at[0].max_error_position = 0.125;
+  run.error_at[0].position_uncertainty = 1e-15;
+  run.error_at[0].max_error_turn = 0.25;
+  run.error_at[0].turn_uncertainty = 2e-15;
+  run.metrics.max_error_position = 0.5;
+  run.metrics.position_uncertainty = 3e-15;
+  run.metrics.max_error_turn = 0.75;
+  run.metrics.turn_uncertainty = 4e-15;
+  run.metrics.max_angular_momentum_drift = 5e-3;
+  run.metrics.max_reaction_error = 6e-3;
+  same(summary_table({run}, std::vector<double>{1250}),
+       {"ode-step-double", "0.125 ± 1e-15", "0.5 ± 3e-15", "0.25 ± 2e-15", "0.75 ± 4e-15", "0.0001", "0.005", "2",
+        "1.25", "ok"});
+  run.scenario.joint = Joint{};
+  CHECK_EQUAL(first_row(summary_table({run}, {})).at(6), "0.006");
+}
+
+void the_report_of_a_run_says_what_it_is() {
+  RunSummary run = example();
+  Reference reference;
+  reference.described = "a reference of words";
+  reference.impacts = {{0.4921, -1.62, -5, 5, 0}};
+  const auto report = [&] { return run_report({run}, std::vector<double>{1250}, reference); };
+  const std::string plain = report();
+  CHECK(plain.starts_with("wall_pendulum: 2.5 s, h = 0.001 s, 2501 rows\n\n"));
+  CHECK(says(plain, summary_table({run}, std::vector<double>{1250})));
+  CHECK(says(plain, "\n\n" + impacts_table({run}, reference.impacts)));
+  CHECK(says(plain, "\nerror      largest angle error against the reference"));
+  CHECK(says(plain, "\nlost at    first error above 0.1 rad\n"));
+  CHECK(says(plain, "\nreference  a reference of words\n"));
+  for (const char* absent : {"nothing is called lost", "joints  ", "between its runs", "half step", "distance "}) {
+    CHECK(!says(plain, absent));
+  }
+  run.metrics.reference_lost_at = 1.5;
+  CHECK(says(report(), "\n           itself unknown to 0.1 rad from t = 1.5 s: nothing is called lost after that\n"));
+  run.scenario.ode.spring = Spring{100, 0.3};
+  CHECK(says(report(), "\njoints     kp 100 N/m, kd 0.3 N s/m: ERP 0.25, CFM 2.5 at this step\n"));
+  run.outcome.self_difference = 2.5e-21;
+  CHECK(says(report(), "\node-step-double: 2.5e-21 rad between its runs at two step sizes\n"));
+  run.outcome.impacts.clear();
+  CHECK(!says(report(), "depth, m"));
+
+  run.scenario.problem = &*std::ranges::find(problems, "free_box", &Problem::name);
+  const std::string bodies = report();
+  CHECK(says(bodies, "\ndistance   largest distance of a body from the reference"));
+  CHECK(says(bodies, "\nturned     likewise the angle"));
+  CHECK(!says(bodies, "lost at "));
+}
+
+// Every metric in its own column, every error time in its own three, of the run it belongs to.
+void csv_holds_every_number() {
+  RunSummary run = example();
+  Metrics& m = run.metrics;
+  double next = 100;
+  for (std::optional<double>* metric : {&m.max_error_q,
+                                        &m.rms_error_q,
+                                        &m.reference_uncertainty,
+                                        &m.divergence_time,
+                                        &m.max_gap,
+                                        &m.max_out_of_plane,
+                                        &m.max_reaction_error,
+                                        &m.max_error_position,
+                                        &m.max_error_turn,
+                                        &m.position_uncertainty,
+                                        &m.turn_uncertainty,
+                                        &m.max_angular_momentum_drift,
+                                        &m.max_long_axis_spin,
+                                        &m.spin_uncertainty,
+                                        &m.max_penetration,
+                                        &m.rest_time,
+                                        &m.time_shift,
+                                        &m.time_shift_uncertainty,
+                                        &m.error_q_after_shift,
+                                        &m.error_position_after_shift}) {
+    *metric = ++next;
+  }
+  m.rms_energy_drift = ++next;
+  m.final_energy_drift = -++next;
+  run.error_at.clear();
+  for (const double time : error_times) {
+    Metrics& at = run.error_at.emplace_back();
+    at.until_s = time;
+    at.max_error_q = time / 8;
+    at.rms_error_q = time / 16;
+    at.reference_uncertainty = time / 1024;
+  }
+  run.outcome.evaluations = 77;
+  run.outcome.at_rest_from = 2.25;
+  const std::string text = summary_csv({run});
+  const std::size_t end = text.find('\n');
+  const std::vector<std::string> names = cells(text.substr(0, end));
+  const std::vector<std::string> values = cells(text.substr(end + 1, text.size() - end - 2));
+  CHECK_EQUAL(values.size(), names.size());
+  std::vector<std::pair<std::string, double>> wanted{{"step", 1e-3},      {"duration", 2.5},      {"steps", 2500},
+                                                     {"evaluations", 77}, {"at_rest_from", 2.25}, {"impacts", 2}};
+  for (const MetricRow& row : metric_table()) wanted.emplace_back(row.name, row.value(m).value());
+  for (const auto& [name, at] :
+       {std::pair{"_at_1", 1.0}, {"_at_2", 2.0}, {"_at_3", 3.0}, {"_at_5", 5.0}, {"_at_10", 10.0}}) {
+    wanted.emplace_back("max_error_q" + std::string(name), at / 8);
+    wanted.emplace_back("rms_error_q" + std::string(name), at / 16);
+    wanted.emplace_back("reference_uncertainty" + std::string(name), at / 1024);
+  }
+  for (const auto& [name, number] : wanted) {
+    const auto at = std::ranges::find(names, name) - names.begin();
+    CHECK(static_cast<std::size_t>(at) < names.size());
+    if (static_cast<std::size_t>(at) < values.size())
+      CHECK_EQUAL(std::stod(values[static_cast<std::size_t>(at)]), number);
+  }
+  CHECK_EQUAL(names.size(), wanted.size() + 5);  // scenario, method, is_reference, diverged, reason
 }
 
 void same_run_same_bytes() {
@@ -331,7 +540,12 @@ void missing_timings_stay_missing() {
 
 int main() {
   json_has_the_keys_of_the_interface();
+  softness_is_shown_both_ways();
   csv_has_a_row_a_method();
+  csv_holds_every_number();
+  the_report_of_a_run_gives_hints();
+  printed_tables_hold_their_numbers();
+  the_report_of_a_run_says_what_it_is();
   same_run_same_bytes();
   error_times_fit_the_run();
   timings_have_the_columns_of_the_interface();

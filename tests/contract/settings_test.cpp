@@ -1,0 +1,231 @@
+// Every setting in every family of scenarios: it changes what it should, the reference included, and nothing else; or
+// it is refused; and where it changes a motion, the summary shows what took effect.
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "catalogue/paths.hpp"
+#include "catalogue/summaries.hpp"
+#include "odeval/error.hpp"
+#include "output/summary.hpp"
+#include "output/trace_csv.hpp"
+#include "scenario/find_scenario.hpp"
+#include "scenario/read_scenario.hpp"
+#include "tests/check.hpp"
+#include "tests/scenarios.hpp"
+
+namespace {
+
+using namespace odeval;
+using nlohmann::json;
+
+/// A method by the letter that stands for it below; R is the reference.
+struct Letter {
+  char letter;
+  std::string_view method;
+};
+constexpr Letter letters[] = {{'S', "ode-step-double"},  {'Q', "ode-quickstep-double"}, {'A', "ode-rk4-double"},
+                              {'M', "maximal-rk4"},      {'L', "lagrange-rk4"},         {'D', "lagrange-ode45"},
+                              {'O', "maximal-ode-step"}, {'C', "lagrange-cvode"}};
+
+/// A family of scenarios by one that has what its keys act on: an impact, a slide, a pull.
+struct Stage {
+  const char* scenario;
+  std::vector<Override> settings;
+};
+const Stage stages[] = {
+    {"double_pendulum", {{"duration", "0.2", ""}}},
+    {"chain", {{"duration", "0.1", ""}, {"n", "3", ""}}},
+    {"wall_pendulum", {{"duration", "0.6", ""}, {"wall.restitution", "0.8", ""}}},
+    {"free_box", {{"duration", "0.2", ""}}},
+    {"bouncing_ball", {{"duration", "0.6", ""}}},
+    {"friction_slide", {{"duration", "0.2", ""}, {"bodies.0.velocity", "[2.0, 1.0, 0.0]", ""}}},
+    {"spring_joint", {{"duration", "0.2", ""}}},
+    {"open_hinge", {{"duration", "0.05", ""}}},
+};
+constexpr std::size_t stage_count = std::size(stages);
+
+/// What a value does in each of them: the letters of what moves otherwise; "" nothing does; "-" it is refused.
+struct Row {
+  const char* key;
+  const char* value;
+  std::array<const char*, stage_count> moves;
+};
+
+// clang-format off
+//                                                     double pendulum, chain, wall, free box, ball, sliding box, spring, rigid joint
+const Row rows[] = {
+    {"duration",               "0.04",             {"RSQAMLDOC", "RSQALDOC", "RSQALDOC", "RSQAC", "RSQA", "RSQ", "RSQ", "RSQ"}},
+    {"step",                   "0.0005",           {"RSQAMLDOC", "RSQALDOC", "RSQALDOC", "RSQAC", "RSQA", "RSQ", "RSQ", "RSQ"}},
+    {"sample",                 "0.01",             {"RSQAMLDOC", "RSQALDOC", "RSQALDOC", "RSQAC", "RSQA", "RSQ", "RSQ", "RSQ"}},
+    {"gravity",                "5",                {"RSQAMLDOC", "RSQALDOC", "RSQALDOC", "RSQAC", "RSQA", "RSQ", "RSQ", "RSQ"}},
+    {"n",                      "4",                {"-",         "RSQALDOC", "-",        "-",     "-",    "-",   "-",   "-"}},
+    {"q0.0",                   "0.3",              {"RSQAMLDOC", "RSQALDOC", "RSQALDOC", "-",     "-",    "-",   "-",   "-"}},
+    {"qd0.0",                  "0.5",              {"RSQAMLDOC", "-",        "RSQALDOC", "-",     "-",    "-",   "-",   "-"}},
+    {"rtol",                   "1e-5",             {"DC",        "DC",       "DC",       "C",     "",     "",    "",    ""}},
+    {"atol",                   "1e-4",             {"DC",        "DC",       "DC",       "C",     "",     "",    "",    ""}},
+    {"links.0.mass",           "2",                {"RSQAMLDOC", "RSQALDOC", "RSQALDOC", "-",     "-",    "-",   "-",   "-"}},
+    {"links.0.length",         "1.1",              {"RSQAMLDOC", "RSQALDOC", "RSQALDOC", "-",     "-",    "-",   "-",   "-"}},
+    {"links.0.width",          "0.2",              {"RSQAMLDOC", "RSQALDOC", "RSQALDOC", "-",     "-",    "-",   "-",   "-"}},
+    {"links.0.depth",          "0.2",              {"SQAO",      "SQAO",     "SQAO",     "-",     "-",    "-",   "-",   "-"}},
+    {"links.0.shape",          "sphere",           {"RSQAMLDOC", "RSQALDOC", "-",        "-",     "-",    "-",   "-",   "-"}},
+    {"wall.face",              "0.85",             {"-",         "-",        "RSQALDOC", "-",     "-",    "-",   "-",   "-"}},
+    {"wall.restitution",       "0.5",              {"-",         "-",        "RSQALDOC", "-",     "-",    "-",   "-",   "-"}},
+    {"bodies.0.shape",         "sphere",           {"-",         "-",        "-",        "-",     "",     "-",   "",    "-"}},
+    {"bodies.0.mass",          "3",                {"-",         "-",        "-",        "RSQAC", "SQA",  "SQ",  "RSQ", "RSQ"}},
+    {"bodies.0.size",          "[0.3, 0.3, 0.3]",  {"-",         "-",        "-",        "RSQAC", "RSQA", "-",   "",    ""}},
+    {"bodies.0.position",      "[0.0, 0.0, 3.0]",  {"-",         "-",        "-",        "RSQAC", "RSQA", "-",   "-",   "RSQ"}},
+    {"bodies.0.turn",          "[0.0, 0.0, 0.5]",  {"-",         "-",        "-",        "RSQAC", "RSQA", "RSQ", "RSQ", "RSQ"}},
+    {"bodies.0.velocity",      "[0.5, 0.0, 0.0]",  {"-",         "-",        "-",        "RSQAC", "RSQA", "RSQ", "RSQ", "-"}},
+    {"bodies.0.spin",          "[0.0, 0.0, 1.0]",  {"-",         "-",        "-",        "RSQAC", "RSQA", "-",   "-",   "-"}},
+    {"bodies.0.aspect",        "2",                {"-",         "-",        "-",        "RSQAC", "-",    "SQ",  "",    ""}},
+    {"ground.slope",           "0.1",              {"-",         "-",        "-",        "-",     "RSQA", "RSQ", "-",   "-"}},
+    {"ground.restitution",     "0.5",              {"-",         "-",        "-",        "-",     "RSQA", "SQ",  "-",   "-"}},
+    {"ground.friction",        "0.2",              {"-",         "-",        "-",        "-",     "-",    "RSQ", "-",   "-"}},
+    {"ground.friction_model",  "constant",         {"-",         "-",        "-",        "-",     "-",    "RSQ", "-",   "-"}},
+    {"joint.kind",             "hinge",            {"-",         "-",        "-",        "-",     "-",    "-",   "",    ""}},
+    {"joint.anchor",           "[0.0, 0.0, 1.6]",  {"-",         "-",        "-",        "-",     "-",    "-",   "-",   ""}},
+    {"joint.axis",             "[0.0, 0.6, 0.8]",  {"-",         "-",        "-",        "-",     "-",    "-",   "",    ""}},
+    {"joint.displacement",     "[0.0, 0.0, 0.01]", {"-",         "-",        "-",        "-",     "-",    "-",   "RSQ", "RSQ"}},
+    {"ode.erp",                "0.5",              {"SQO",       "SQO",      "SQO",      "",      "",     "SQ",  "-",   "RSQ"}},
+    {"ode.cfm",                "0.001",            {"SQO",       "SQO",      "SQO",      "",      "SQ",   "SQ",  "-",   "RSQ"}},
+    {"ode.kp",                 "200",              {"-",         "-",        "-",        "-",     "-",    "-",   "RSQ", "-"}},
+    {"ode.kd",                 "5",                {"-",         "-",        "-",        "-",     "-",    "-",   "RSQ", "-"}},
+    {"ode.iterations",         "3",                {"Q",         "Q",        "Q",        "",      "Q",    "Q",   "Q",   "Q"}},
+    {"ode.sor_w",              "0.5",              {"Q",         "Q",        "Q",        "",      "Q",    "Q",   "Q",   "Q"}},
+    {"ode.bounce",             "0.4",              {"",          "",         "SQAO",     "",      "SQA",  "SQ",  "",    ""}},
+    {"ode.bounce_vel",         "1000",             {"",          "",         "SQO",      "",      "SQ",   "",    "",    ""}},
+    {"ode.max_correcting_vel", "0",                {"",          "",         "",         "",      "",     "SQ",  "",    ""}},
+    {"ode.surface_layer",      "0.01",             {"",          "",         "",         "",      "",     "SQ",  "",    ""}},
+    {"ode.friction_axes",      "sliding",          {"",          "",         "",         "",      "-",    "SQ",  "",    ""}},
+    {"ode.start",              "half-step",        {"SQO",       "SQO",      "SQO",      "SQ",    "SQ",   "SQ",  "SQ",  "SQ"}},
+    {"ode.seed",               "1",                {"Q",         "Q",        "Q",        "",      "",     "Q",   "",    ""}},
+    {"ode.gyroscopic",         "off",              {"SQO",       "SQO",      "SQO",      "SQ",    "",     "SQ",  "",    ""}},
+    {"maximal.ks",             "1",                {"M",         "",         "",         "-",     "-",    "-",   "-",   "-"}},
+    {"maximal.kd",             "1",                {"M",         "",         "",         "-",     "-",    "-",   "-",   "-"}},
+};
+// clang-format on
+
+const Names& names() {
+  static const Names all = [] {
+    Names names{catalogue::method_names(), {}};
+    for (const MetricRow& row : metric_table()) names.metrics.emplace_back(row.name);
+    return names;
+  }();
+  return all;
+}
+
+/// What a method yields but for its errors, and the settings that its summary shows.
+struct Run {
+  std::string trace;
+  json settings;
+};
+
+using Runs = std::map<char, Run>;
+
+Runs runs_of(const Stage& stage, const std::vector<Override>& settings) {
+  std::vector<Override> all = stage.settings;
+  for (const Override& one : settings) {
+    std::erase_if(all, [&](const Override& other) { return other.key == one.key; });
+    all.push_back(one);
+  }
+  const Scenario scenario = read_scenario(find_scenario(stage.scenario, catalogue::scenario_folder()), all, names());
+  catalogue::Evaluator evaluator(scenario);
+  const auto text_of = [](Trace trace) {
+    trace.error_q.clear();
+    trace.error_position.clear();
+    trace.error_turn.clear();
+    return trace_csv(trace);
+  };
+  Runs runs;
+  runs['R'].trace = text_of(evaluator.reference().trace);
+  for (const auto& [letter, name] : letters) {
+    const catalogue::Method& method = catalogue::find_method(name);
+    if (!method.claims(*scenario.problem)) continue;
+    const auto run = evaluator.evaluate(method);
+    runs[letter] = {text_of(run.trace), json::parse(summary_json(catalogue::summarise(run, evaluator)))["settings"]};
+  }
+  return runs;
+}
+
+bool shows(const json& settings, std::string key, const std::string& value) {
+  std::ranges::replace(key, '.', '/');
+  const json::json_pointer at("/" + key);
+  if (!settings.contains(at)) return false;
+  const json number = json::parse(value, nullptr, false);
+  if (number.is_discarded()) return settings[at] == value;
+  if (!number.is_number() || !settings[at].is_number()) return settings[at] == number;
+  return std::fabs(settings[at].get<double>() - number.get<double>()) < 1e-12;  // the duration is a product
+}
+
+/// The summary shows where a body starts: of a joint that is open, away from its place by the displacement.
+std::string shown_value(const Row& row, const Stage& stage) {
+  const bool displaced = std::string(row.key) == "bodies.0.position" && std::string(stage.scenario) == "open_hinge";
+  return displaced ? "[0.0, 0.0, 3.02]" : row.value;
+}
+
+void check(const Row& row, const Stage& stage, const Runs& before, const std::string& wanted) {
+  const auto say = [&](bool good, const std::string& what) {
+    test::report(good, __FILE__, __LINE__,
+                 std::string(stage.scenario) + ", " + row.key + " = " + row.value + ": " + what);
+  };
+  std::string moved = "R";
+  try {
+    const Runs after = runs_of(stage, {{row.key, row.value, "--set"}});
+    moved = after.at('R').trace == before.at('R').trace ? "" : "R";
+    for (const auto& [letter, method] : letters) {
+      if (!before.contains(letter) || after.at(letter).trace == before.at(letter).trace) continue;
+      moved += letter;
+      say(shows(after.at(letter).settings, row.key, shown_value(row, stage)),
+          std::string(method) + " moves otherwise, and its summary does not show the value");
+      say(!shows(before.at(letter).settings, row.key, shown_value(row, stage)),
+          std::string(method) + " has it without being told");
+    }
+  } catch (const UserError& error) {
+    moved = "-";
+    const std::string why = error.what();
+    const std::string key = row.key;
+    say(why.find(key.substr(0, key.find('.'))) != std::string::npos, "refused without its name: " + why);
+  }
+  say(moved == wanted, "moves '" + moved + "', expected '" + wanted + "'");
+}
+
+/// No key of a scenario file goes without a row.
+void every_key_has_a_row() {
+  for (const KeyRow& key : key_table()) {
+    if (key.section == "tolerances" || key.name == "problem" || key.name == "methods") continue;
+    const auto named = [&](const Row& row) {
+      const std::string text = row.key;
+      return text.starts_with(key.section) &&
+             (text.ends_with("." + std::string(key.name)) || text == key.name || text == std::string(key.name) + ".0");
+    };
+    test::report(std::ranges::any_of(rows, named), __FILE__, __LINE__, "no row for " + std::string(key.name));
+  }
+}
+
+/// kp and kd stand in the place of erp and cfm, and the summary shows both ways what ODE was told.
+void springs_are_shown_as_told() {
+  for (const char* scenario : {"double_pendulum", "spring_joint"}) {
+    const Runs runs = runs_of({scenario, {{"duration", "0.01", ""}}}, {{"ode.kp", "1e4", ""}, {"ode.kd", "1", ""}});
+    const json shown = runs.at('S').settings["ode"];
+    CHECK_NEAR(shown["erp"].get<double>(), 10.0 / 11, 1e-15);  // h kp = 10
+    CHECK_NEAR(shown["cfm"].get<double>(), 1.0 / 11, 1e-15);
+    const Runs same = runs_of({scenario, {{"duration", "0.01", ""}}}, {{"ode.erp", test::shown(10.0 / 11), "--set"},
+                                                                       {"ode.cfm", test::shown(1.0 / 11), "--set"}});
+    CHECK(runs.at('S').trace == same.at('S').trace);
+    CHECK_NEAR(same.at('S').settings["ode"]["kp"].get<double>(), 1e4, 1e-8);
+    CHECK_NEAR(same.at('S').settings["ode"]["kd"].get<double>(), 1, 1e-12);
+  }
+}
+
+}  // namespace
+
+int main() {
+  every_key_has_a_row();
+  springs_are_shown_as_told();
+  for (std::size_t i = 0; i < stage_count; ++i) {
+    const Runs before = runs_of(stages[i], {});
+    for (const Row& row : rows) check(row, stages[i], before, row.moves[i] == nullptr ? "" : row.moves[i]);
+  }
+  return test::verdict();
+}
