@@ -156,7 +156,7 @@ void rest(const Scenario& scenario, Section& section) {
       std::vector<Cell> row{std::string(method), has ? Cell(changed.ode.erp) : Cell("-"), has ? Cell(cfm) : Cell("-"),
                             has ? Cell(bounce_vel) : Cell("-")};
       if (available(method) == nullptr) {
-        row.insert(row.end(), 3, report::Missing{"not in this build"});
+        for (int i = 0; i < 3; ++i) row.emplace_back(report::Missing{"not in this build"});
       } else {
         Evaluator evaluator(changed);
         const Evaluation run = evaluator.evaluate(*available(method));
