@@ -27,6 +27,7 @@ report::Section everything(Laboratory&, report::Findings& findings) {
 }
 
 report::Section fails(Laboratory&, report::Findings&) { throw MachineError("the disk is full"); }
+report::Section is_wrong(Laboratory&, report::Findings&) { throw UserError("no scenario named 'x'"); }
 report::Section dies(Laboratory&, report::Findings&) { _exit(3); }
 report::Section is_long(Laboratory&, report::Findings&) {
   return {"long", "", {report::Text{std::string(1'000'000, 'x')}}};  // more than a pipe holds
@@ -35,7 +36,7 @@ report::Section is_long(Laboratory&, report::Findings&) {
 constexpr Experiment some[] = {
     {"fails", "One that fails", fails}, {"everything", "All", everything},
     {"dies", "One that dies", dies},    {"long", "", is_long},
-    {"everything", "All", everything},
+    {"everything", "All", everything},  {"is_wrong", "", is_wrong},
 };
 
 std::string words(const report::Outcome& outcome) { return std::get<report::Text>(outcome.section.blocks.at(0)).text; }
@@ -50,14 +51,8 @@ void check(unsigned processes) {
   CHECK_EQUAL(outcomes[0].section.title, "One that fails");
   CHECK(words(outcomes[0]).ends_with("its numbers are missing: the disk is full"));
   CHECK_EQUAL(outcomes[0].failures.at(0), "fails: the disk is full");
-  CHECK_EQUAL(outcomes[2].failures.at(0), "dies: its process ended early");
-
-  // One process dies with its experiment; what it had not begun is left to the others, if there are any.
-  if (processes == 1) {
-    CHECK_EQUAL(outcomes[3].failures.at(0), "long: every process ended before it");
-    CHECK_EQUAL(finished, 3U);
-    return;
-  }
+  CHECK_EQUAL(outcomes[2].failures.at(0), "dies: its process ended with exit status 3");
+  CHECK_EQUAL(outcomes[5].failures.at(0), "is_wrong: no scenario named 'x'");
   CHECK_EQUAL(finished, std::size(some));
   CHECK_EQUAL(words(outcomes[3]).size(), 1'000'000U);
 
