@@ -13,6 +13,7 @@
 #include <list>
 #include <map>
 #include <memory>
+#include <utility>
 
 #include "odeval/error.hpp"
 
@@ -184,18 +185,18 @@ class Pool {
 
   void answer(WorkerPlace& worker) {
     const Task task = worker->busy() ? worker->tasks().front() : Task{};
-    const std::optional<Answer> answer = worker->take();
+    std::optional<Answer> answer = worker->take();
     if (!answer) {
       if (worker->ended()) mend(worker);
       return;
     }
     switch (answer->kind) {
       case Answer::Kind::done:
-        return settle(task, {Result::Kind::done, answer->text});
+        return settle(task, {Result::Kind::done, std::move(answer->text)});
       case Answer::Kind::failed:
-        return settle(task, {Result::Kind::failed, answer->text});
+        return settle(task, {Result::Kind::failed, std::move(answer->text)});
       case Answer::Kind::refused:
-        return settle(task, {Result::Kind::refused, answer->text});
+        return settle(task, {Result::Kind::refused, std::move(answer->text)});
       case Answer::Kind::broken:
         throw MachineError(answer->text);
     }

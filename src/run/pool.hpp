@@ -25,7 +25,7 @@ struct Result {
     late,     // took longer than it may
   };
   Kind kind = Kind::done;
-  std::string text;            // what the job returned; else why there is nothing
+  std::string text;             // what the job returned; else why there is nothing
   bool of_preparation = false;  // what the job shares with others is to blame
 };
 
@@ -50,7 +50,7 @@ struct PoolOptions {
 /// well. Time in which all of the program was stopped is no part of what a job took.
 ///
 /// Workers are forked as they are needed, and know what this process knew then. They ignore SIGINT, and what they print
-/// on standard output goes nowhere.
+/// on standard output goes nowhere. A process that a job starts itself is not ended with its worker.
 ///
 /// Returns 0, or the number of the signal (SIGINT, SIGTERM, SIGHUP, but for those that the program ignores) that ended
 /// it early. In any case, errors included, no worker is left. Throws MachineError where the machine has no processes or

@@ -39,7 +39,9 @@ std::vector<Job> jobs(std::uint32_t count) {
 /// By number of job. Each comes once.
 std::vector<Result> results_of(const Work& work, const std::vector<Job>& plan, const PoolOptions& options) {
   std::vector<std::vector<Result>> results(plan.size());
-  const auto take = [&](long job, const Result& result) { results.at(static_cast<std::size_t>(job)).push_back(result); };
+  const auto take = [&](long job, const Result& result) {
+    results.at(static_cast<std::size_t>(job)).push_back(result);
+  };
   CHECK_EQUAL(run_pool(work, plan, take, options), 0);
   no_worker_is_left();
   std::vector<Result> whole;
@@ -212,7 +214,9 @@ void ended_by_its_user() {
 void ended_by_a_signal() {
   PoolOptions options;
   options.passed = [] { ::raise(SIGTERM); };
-  CHECK_EQUAL(run_pool({{}, behave}, std::vector<Job>{{7}}, [](long, const Result&) {}, options), SIGTERM);
+  CHECK_EQUAL(run_pool(
+                  {{}, behave}, std::vector<Job>{{7}}, [](long, const Result&) {}, options),
+              SIGTERM);
   no_worker_is_left();
   sigset_t blocked;
   ::sigprocmask(SIG_BLOCK, nullptr, &blocked);

@@ -1,7 +1,10 @@
 // Experiments in processes of their own: what they leave arrives whole and in order, and one that fails says so.
 #include "experiments/side_by_side.hpp"
 
+#include <sys/wait.h>
 #include <unistd.h>
+
+#include <csignal>
 
 #include "odeval/error.hpp"
 #include "tests/check.hpp"
@@ -29,6 +32,9 @@ report::Section everything(Laboratory&, report::Findings& findings) {
 report::Section fails(Laboratory&, report::Findings&) { throw MachineError("the disk is full"); }
 report::Section is_wrong(Laboratory&, report::Findings&) { throw UserError("no scenario named 'x'"); }
 report::Section dies(Laboratory&, report::Findings&) { _exit(3); }
+report::Section hangs(Laboratory&, report::Findings&) {
+  for (;;) ::pause();
+}
 report::Section is_long(Laboratory&, report::Findings&) {
   return {"long", "", {report::Text{std::string(1'000'000, 'x')}}};  // more than a pipe holds
 }
@@ -41,8 +47,12 @@ constexpr Experiment some[] = {
 
 std::string words(const report::Outcome& outcome) { return std::get<report::Text>(outcome.section.blocks.at(0)).text; }
 
+Laboratory no_laboratory() {
+  return Laboratory([](const std::string&) -> Scenario { throw std::logic_error("no scenario is asked for"); });
+}
+
 void check(unsigned processes) {
-  Laboratory laboratory([](const std::string&) -> Scenario { throw std::logic_error("no scenario is asked for"); });
+  Laboratory laboratory = no_laboratory();
   std::size_t finished = 0;
   const auto outcomes =
       experiments::run_side_by_side(some, laboratory, processes, [&](const Experiment&) { ++finished; });
@@ -74,11 +84,26 @@ void check(unsigned processes) {
   CHECK(!outcomes[1].findings.at(1).second.value);
 }
 
+// The program ends as a signal ends any program, though one of the experiments hangs.
+void stopped() {
+  constexpr Experiment few[] = {{"fails", "", fails}, {"hangs", "", hangs}};
+  const pid_t child = ::fork();
+  if (child == 0) {
+    Laboratory laboratory = no_laboratory();
+    experiments::run_side_by_side(few, laboratory, 1, [](const Experiment&) { ::raise(SIGTERM); });
+    ::_exit(0);
+  }
+  int status = 0;
+  CHECK_EQUAL(::waitpid(child, &status, 0), child);
+  CHECK(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM);
+}
+
 }  // namespace
 
 int main() {
   check(1);
   check(2);
   check(3);
+  stopped();
   return odeval::test::verdict();
 }
