@@ -487,6 +487,7 @@ void two_at_once(const fs::path& file) {
 
 int main() {
   ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // orphans come here, so that none is overlooked
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);  // whoever started this
   std::string name = (fs::temp_directory_path() / "odeval-sweep-test-XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr) return 1;
   const fs::path folder(name);
