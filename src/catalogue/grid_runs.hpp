@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "catalogue/evaluation.hpp"
+#include "run/grid.hpp"
+#include "run/sweep.hpp"
 #include "scenario/read_scenario.hpp"
-#include "sweep/worker.hpp"
 
 namespace odeval::catalogue {
 

@@ -15,7 +15,8 @@
 #include "cli/sweep_answer.hpp"
 #include "odeval/error.hpp"
 #include "output/sweep_table.hpp"
-#include "sweep/sweep.hpp"
+#include "run/clock.hpp"
+#include "run/sweep.hpp"
 
 namespace odeval::cli {
 namespace {
@@ -90,10 +91,10 @@ class SweepProgress {
       : line_(0, quiet),
         total_(journal.head().shard.runs_of(journal.runs())),
         begun_with_(journal.rows()),
-        begun_at_s_(sweep::steady_seconds()) {}
+        begun_at_s_(run::steady_seconds()) {}
 
   void show(const sweep::Journal& journal) {
-    const double now = sweep::steady_seconds();
+    const double now = run::steady_seconds();
     if (!line_.shown() || now - shown_at_s_ < 0.1) return;
     shown_at_s_ = now;
     std::string text = fmt::format("[{}/{}]", journal.rows(), total_);

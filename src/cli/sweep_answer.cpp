@@ -17,8 +17,8 @@
 #include "output/sweep_table.hpp"
 #include "output/table.hpp"
 #include "report/front.hpp"
+#include "run/front.hpp"
 #include "scenario/read_scenario.hpp"
-#include "sweep/front.hpp"
 
 namespace odeval::cli {
 namespace {

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "sweep/journal.hpp"
+#include "run/journal.hpp"
 
 namespace odeval::cli {
 

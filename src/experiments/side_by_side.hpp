@@ -1,5 +1,5 @@
 #pragma once
-// Experiments, in as many processes as there are cores: ODE's globals allow no threads.
+// Experiments in a pool of processes: ODE's globals allow no threads.
 #include <functional>
 #include <span>
 #include <string_view>
@@ -10,8 +10,9 @@
 
 namespace odeval::experiments {
 
-/// What each experiment leaves, in their order. An experiment that the machine fails (MachineError) leaves a
-/// section that says so, and its numbers missing; so does one whose process ends early. `finished` hears of each.
+/// What each experiment leaves, in their order. An experiment that throws or takes its process down leaves a section
+/// that says so, and its numbers missing. `finished` hears of each. There is no limit of time. SIGINT, SIGTERM and
+/// SIGHUP end this process.
 ///
 /// The processes start with what the laboratory has run already; what they run themselves, each has for itself.
 std::vector<report::Outcome> run_side_by_side(std::span<const Experiment> all, Laboratory& laboratory,

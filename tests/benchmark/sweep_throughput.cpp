@@ -46,7 +46,8 @@
 #include "cli/settings.hpp"
 #include "odeval/error.hpp"
 #include "output/sweep_table.hpp"
-#include "sweep/sweep.hpp"
+#include "run/clock.hpp"
+#include "run/sweep.hpp"
 
 namespace {
 
@@ -94,11 +95,11 @@ class Party {
   /// Runs a second.
   double turn(double seconds) const {
     const long before = done_;
-    const double begun = sweep::steady_seconds();
+    const double begun = run::steady_seconds();
     ::kill(-leader_, SIGCONT);
     sleep(seconds);
     ::kill(-leader_, SIGSTOP);
-    const double took = sweep::steady_seconds() - begun;
+    const double took = run::steady_seconds() - begun;
     return static_cast<double>(done_ - before) / took;
   }
 

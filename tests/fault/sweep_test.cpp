@@ -2,7 +2,7 @@
 //
 // The runs are a few hundred microseconds of nothing, so that many deaths fit into seconds; tests/fault/odeval does
 // some of this to the program.
-#include "sweep/sweep.hpp"
+#include "run/sweep.hpp"
 
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -19,6 +19,7 @@
 #include <random>
 
 #include "odeval/error.hpp"
+#include "run/worker.hpp"
 #include "tests/check.hpp"
 
 // In the place of the C library's.
@@ -186,6 +187,22 @@ void workers_killed(const fs::path& file) {
   check_rows(file, count, undisturbed);
 }
 
+// Told to ignore a signal (nohup), a sweep and its workers do.
+void ignored(const fs::path& file) {
+  constexpr long count = 1500;
+  const auto before = std::signal(SIGHUP, SIG_IGN);
+  const pid_t parent = start_sweep(file, count, good_work());
+  std::signal(SIGHUP, before);
+  wait_for_growth(file, head_line(head_of_runs(count)).size() + 500, parent);
+  const std::vector<pid_t> workers = children_of(parent);
+  for (const pid_t worker : workers) ::kill(worker, SIGHUP);
+  ::kill(parent, SIGHUP);
+  pause(20000);
+  CHECK(children_of(parent) == workers);
+  CHECK_EQUAL(wait_for(parent), 0);
+  check_rows(file, count, undisturbed);
+}
+
 // Children gone, journal whole, the status that tells the signal; then it goes on.
 void stopped(const fs::path& file, int signal) {
   constexpr long count = 1500;
@@ -230,27 +247,13 @@ void stopped_and_continued(const fs::path& file) {
   check_rows(file, 3, undisturbed);
 }
 
-// A worker's pace, by which it gets tasks at hand, counts no time that is excused, and never time to come.
-void excused_time_is_no_pace() {
-  const Work work{good_preparation, good_run};
-  const std::vector<Shared> shared(1);
-  Worker worker(work, shared);
-  worker.give({Task::Kind::prepare, 0, 0, 0});
-  CHECK(worker.take().has_value());
-  worker.give({Task::Kind::run, 0, 0, 0});
-  pause(300000);  // stopped, say
-  worker.excuse(3600);
-  CHECK(worker.take().has_value());
-  CHECK(worker.pace_s() >= 0 && worker.pace_s() < 0.1);
-}
-
 /// In a worker: whether a task lies behind the one under way. Of its descriptors one brings tasks; another, its
 /// parent's end, has answers, which are longer.
 bool more_at_hand() {
   for (int descriptor = 3; descriptor < 64; ++descriptor) {
     char begin = 0;
     const ssize_t size = ::recv(descriptor, &begin, 1, MSG_PEEK | MSG_DONTWAIT | MSG_TRUNC);
-    if (size == static_cast<ssize_t>(sizeof(Task))) return true;
+    if (size == static_cast<ssize_t>(sizeof(run::Task))) return true;
   }
   return false;
 }
@@ -484,6 +487,7 @@ void two_at_once(const fs::path& file) {
 
 int main() {
   ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // orphans come here, so that none is overlooked
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);  // whoever started this
   std::string name = (fs::temp_directory_path() / "odeval-sweep-test-XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr) return 1;
   const fs::path folder(name);
@@ -496,8 +500,8 @@ int main() {
   workers_killed(file("workers"));
   stopped(file("interrupted"), SIGINT);
   stopped(file("terminated"), SIGTERM);
+  ignored(file("ignored"));
   stopped_and_continued(file("continued"));
-  excused_time_is_no_pace();
   at_hand_after_a_stop(file("at hand"));
   synced_in_time(file("synced"));
   disk_full(file("full"));

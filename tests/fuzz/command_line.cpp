@@ -4,7 +4,7 @@
 
 #include "cli/commands.hpp"
 #include "odeval/error.hpp"
-#include "sweep/grid.hpp"
+#include "run/grid.hpp"
 
 namespace {
 

@@ -2,7 +2,7 @@
 // that rows have something to belong to; the last byte says in which pieces they come.
 #include <cstdlib>
 
-#include "sweep/journal.hpp"
+#include "run/journal.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace odeval::sweep;

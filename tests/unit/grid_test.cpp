@@ -1,8 +1,8 @@
 // What a grid, a shard and a front are made of.
-#include "sweep/grid.hpp"
+#include "run/grid.hpp"
 
 #include "odeval/error.hpp"
-#include "sweep/front.hpp"
+#include "run/front.hpp"
 #include "tests/check.hpp"
 
 namespace {

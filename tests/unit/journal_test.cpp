@@ -1,5 +1,5 @@
 // A journal says what was written or nothing: cut anywhere, flipped anywhere, or another sweep's.
-#include "sweep/journal.hpp"
+#include "run/journal.hpp"
 
 #include <cstdlib>
 #include <fstream>

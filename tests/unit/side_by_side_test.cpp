@@ -1,7 +1,10 @@
 // Experiments in processes of their own: what they leave arrives whole and in order, and one that fails says so.
 #include "experiments/side_by_side.hpp"
 
+#include <sys/wait.h>
 #include <unistd.h>
+
+#include <csignal>
 
 #include "odeval/error.hpp"
 #include "tests/check.hpp"
@@ -27,7 +30,11 @@ report::Section everything(Laboratory&, report::Findings& findings) {
 }
 
 report::Section fails(Laboratory&, report::Findings&) { throw MachineError("the disk is full"); }
+report::Section is_wrong(Laboratory&, report::Findings&) { throw UserError("no scenario named 'x'"); }
 report::Section dies(Laboratory&, report::Findings&) { _exit(3); }
+report::Section hangs(Laboratory&, report::Findings&) {
+  for (;;) ::pause();
+}
 report::Section is_long(Laboratory&, report::Findings&) {
   return {"long", "", {report::Text{std::string(1'000'000, 'x')}}};  // more than a pipe holds
 }
@@ -35,13 +42,17 @@ report::Section is_long(Laboratory&, report::Findings&) {
 constexpr Experiment some[] = {
     {"fails", "One that fails", fails}, {"everything", "All", everything},
     {"dies", "One that dies", dies},    {"long", "", is_long},
-    {"everything", "All", everything},
+    {"everything", "All", everything},  {"is_wrong", "", is_wrong},
 };
 
 std::string words(const report::Outcome& outcome) { return std::get<report::Text>(outcome.section.blocks.at(0)).text; }
 
+Laboratory no_laboratory() {
+  return Laboratory([](const std::string&) -> Scenario { throw std::logic_error("no scenario is asked for"); });
+}
+
 void check(unsigned processes) {
-  Laboratory laboratory([](const std::string&) -> Scenario { throw std::logic_error("no scenario is asked for"); });
+  Laboratory laboratory = no_laboratory();
   std::size_t finished = 0;
   const auto outcomes =
       experiments::run_side_by_side(some, laboratory, processes, [&](const Experiment&) { ++finished; });
@@ -50,14 +61,8 @@ void check(unsigned processes) {
   CHECK_EQUAL(outcomes[0].section.title, "One that fails");
   CHECK(words(outcomes[0]).ends_with("its numbers are missing: the disk is full"));
   CHECK_EQUAL(outcomes[0].failures.at(0), "fails: the disk is full");
-  CHECK_EQUAL(outcomes[2].failures.at(0), "dies: its process ended early");
-
-  // One process dies with its experiment; what it had not begun is left to the others, if there are any.
-  if (processes == 1) {
-    CHECK_EQUAL(outcomes[3].failures.at(0), "long: every process ended before it");
-    CHECK_EQUAL(finished, 3U);
-    return;
-  }
+  CHECK_EQUAL(outcomes[2].failures.at(0), "dies: its process ended with exit status 3");
+  CHECK_EQUAL(outcomes[5].failures.at(0), "is_wrong: no scenario named 'x'");
   CHECK_EQUAL(finished, std::size(some));
   CHECK_EQUAL(words(outcomes[3]).size(), 1'000'000U);
 
@@ -79,11 +84,26 @@ void check(unsigned processes) {
   CHECK(!outcomes[1].findings.at(1).second.value);
 }
 
+// The program ends as a signal ends any program, though one of the experiments hangs.
+void stopped() {
+  constexpr Experiment few[] = {{"fails", "", fails}, {"hangs", "", hangs}};
+  const pid_t child = ::fork();
+  if (child == 0) {
+    Laboratory laboratory = no_laboratory();
+    experiments::run_side_by_side(few, laboratory, 1, [](const Experiment&) { ::raise(SIGTERM); });
+    ::_exit(0);
+  }
+  int status = 0;
+  CHECK_EQUAL(::waitpid(child, &status, 0), child);
+  CHECK(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM);
+}
+
 }  // namespace
 
 int main() {
   check(1);
   check(2);
   check(3);
+  stopped();
   return odeval::test::verdict();
 }

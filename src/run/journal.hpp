@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sweep/grid.hpp"
+#include "run/grid.hpp"
 
 namespace odeval::sweep {
 
@@ -125,8 +125,5 @@ class Journal {
   long unsynced_ = 0;
   double unsynced_since_s_ = 0;
 };
-
-/// Seconds that go on whatever anybody does to the clock.
-double steady_seconds();
 
 }  // namespace odeval::sweep

@@ -1,4 +1,4 @@
-#include "sweep/sweep.hpp"
+#include "run/pool.hpp"
 
 #include <poll.h>
 #include <sys/signalfd.h>
@@ -13,16 +13,17 @@
 #include <list>
 #include <map>
 #include <memory>
+#include <utility>
 
 #include "odeval/error.hpp"
 
-namespace odeval::sweep {
+namespace odeval::run {
 namespace {
 
-// What leaks when a run ends badly ends with the worker: a process that grows is replaced in time.
+// What leaks when a job ends badly ends with the worker: a process that grows is replaced in time.
 constexpr long most_tasks = 500;
 
-// Of one run, by ends that are not the run's own: so many are no accident (no memory, say).
+// Of one job, by ends that are not the job's own: so many are no accident (no memory, say).
 constexpr int most_ends_from_outside = 20;
 
 constexpr double longest_wait_s = 0.5;
@@ -30,21 +31,26 @@ constexpr double longest_wait_s = 0.5;
 // Who has not looked for so long was stopped (Ctrl-Z, a scheduler), and the workers with it.
 constexpr double longest_turn_s = 2 * longest_wait_s;
 
-// What a worker has at hand, so that it need not wait until this process gets its turn: no more, since what stands
-// behind a task is kept from the other workers.
-constexpr double at_hand_s = 0.05;
 constexpr std::size_t most_at_hand = 8;
 
-/// SIGINT, SIGTERM and SIGHUP as something to read, while it lives.
+bool ignored(int signal) {
+  struct sigaction action {};
+  return ::sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
+/// SIGINT, SIGTERM and SIGHUP as something to read, while it lives. One that the program was told to ignore (nohup)
+/// would be read as well if it were blocked.
 class Signals {
  public:
   Signals() {
     sigset_t wanted;
     ::sigemptyset(&wanted);
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaddset(&wanted, signal);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+      if (!ignored(signal)) ::sigaddset(&wanted, signal);
+    }
     ::sigprocmask(SIG_BLOCK, &wanted, &before_);
     descriptor_ = ::signalfd(-1, &wanted, SFD_CLOEXEC | SFD_NONBLOCK);
-    if (descriptor_ < 0) throw MachineError(std::string("sweep: no signals: ") + std::strerror(errno));
+    if (descriptor_ < 0) throw MachineError(std::string("no signals: ") + std::strerror(errno));
   }
   ~Signals() {
     ::close(descriptor_);
@@ -68,7 +74,7 @@ class Signals {
   int descriptor_ = -1;
 };
 
-/// A group whose runs are under way.
+/// A group whose jobs are under way.
 struct Open {
   enum class Phase { preparing, ready };
   long group;
@@ -79,24 +85,19 @@ struct Open {
   long running = 0;
 };
 
-class Sweep {
+class Pool {
  public:
-  Sweep(const Work& work, std::span<const std::uint32_t> groups, Journal& journal, const SweepOptions& options)
+  Pool(const Work& work, std::span<const Job> plan, const TakeResult& take, const PoolOptions& options)
       : work_(work),
-        groups_(groups),
-        journal_(journal),
+        plan_(plan),
+        take_(take),
         options_(options),
-        shared_(static_cast<std::size_t>(options.jobs) + 1) {
-    for (int place = 0; place <= options.jobs; ++place) free_places_.push_back(place);
-    for (long run = 0; run < journal.runs(); ++run) {
-      if (journal.head().shard.holds(run) && !journal.settled(run, options.timeout_s))
-        plan_.push_back(static_cast<std::uint32_t>(run));
-    }
-    std::stable_sort(plan_.begin(), plan_.end(), [&](auto a, auto b) { return groups[a] < groups[b]; });
+        shared_(static_cast<std::size_t>(options.processes) + 1) {
+    for (int place = 0; place <= options.processes; ++place) free_places_.push_back(place);
   }
 
   int run() {
-    const std::size_t wanted = std::min(static_cast<std::size_t>(options_.jobs), plan_.size());
+    const std::size_t wanted = std::min(static_cast<std::size_t>(options_.processes), plan_.size());
     for (std::size_t i = 0; i < wanted; ++i) workers_.push_back(new_worker());
     for (;;) {
       for (auto& worker : workers_) employ(worker);
@@ -125,17 +126,17 @@ class Sweep {
       worker->give(*task);
     }
     if (worker->tasks().front().kind == Task::Kind::prepare) return;
-    const double most = std::min(at_hand_s / worker->pace_s(), static_cast<double>(most_at_hand));
+    const double most = std::min(options_.at_hand_s / worker->pace_s(), static_cast<double>(most_at_hand));
     while (static_cast<double>(worker->tasks().size()) < most && worker->given() < most_tasks &&
            plan_.size() - handed_ >= workers_.size()) {
-      const std::optional<Task> task = next_run(worker->group());
+      const std::optional<Task> task = next_job(worker->group());
       if (!task) return;
       worker->give(*task);
     }
   }
 
-  /// A run of a group that is ready, of `own` before any other.
-  std::optional<Task> next_run(long own) {
+  /// A job of a group that is ready, of `own` before any other.
+  std::optional<Task> next_job(long own) {
     Open* chosen = nullptr;
     for (Open& open : open_) {
       if (open.phase != Open::Phase::ready || open.next == open.end) continue;
@@ -144,22 +145,24 @@ class Sweep {
     if (chosen == nullptr) return std::nullopt;
     ++chosen->running;
     ++handed_;
-    return Task{Task::Kind::run, plan_[chosen->next++], chosen->group, chosen->place};
+    return Task{Task::Kind::job, plan_[chosen->next++].number, chosen->group, chosen->place};
   }
 
-  /// A run that can be done at once; else a group is begun.
+  /// A job that can be done at once; else a group is begun.
   std::optional<Task> next_task(long own) {
-    if (const auto run = next_run(own)) return run;
+    if (const auto job = next_job(own)) return job;
     if (begun_ == plan_.size() || free_places_.empty()) return std::nullopt;
-    const std::uint32_t group = groups_[plan_[begun_]];
+    const std::uint32_t group = plan_[begun_].group;
     const std::size_t first = begun_;
-    while (begun_ < plan_.size() && groups_[plan_[begun_]] == group) ++begun_;
+    while (begun_ < plan_.size() && plan_[begun_].group == group) ++begun_;
     open_.push_back({group, first, begun_, free_places_.back()});
     free_places_.pop_back();
-    return Task{Task::Kind::prepare, plan_[first], group, open_.back().place};
+    if (work_.prepare) return Task{Task::Kind::prepare, plan_[first].number, group, open_.back().place};
+    open_.back().phase = Open::Phase::ready;
+    return next_job(group);
   }
 
-  /// Until something comes, a run is late, or for a while.
+  /// Until something comes, a job is late, or for a while.
   void wait() {
     waits_.clear();
     waits_.push_back({signals_.descriptor(), POLLIN, 0});
@@ -170,10 +173,9 @@ class Sweep {
     }
     const double left_ms = std::ceil(1e3 * std::max(0.0, until - steady_seconds()));
     if (::poll(waits_.data(), waits_.size(), static_cast<int>(left_ms)) < 0 && errno != EINTR) {
-      throw MachineError(std::string("sweep: cannot wait: ") + std::strerror(errno));
+      throw MachineError(std::string("cannot wait for workers: ") + std::strerror(errno));
     }
-    journal_.sync_in_time();
-    if (options_.passed) options_.passed(journal_);
+    if (options_.passed) options_.passed();
   }
 
   bool ready(const Worker& worker) const {
@@ -183,17 +185,20 @@ class Sweep {
 
   void answer(WorkerPlace& worker) {
     const Task task = worker->busy() ? worker->tasks().front() : Task{};
-    const std::optional<Answer> answer = worker->take();
+    std::optional<Answer> answer = worker->take();
     if (!answer) {
-      mend(worker);
-    } else if (answer->kind == Answer::Kind::refused) {
-      throw UserError(answer->text);
-    } else if (answer->kind == Answer::Kind::broken) {
-      throw MachineError(answer->text);
-    } else if (answer->kind == Answer::Kind::failed) {
-      settle(task, failure(Status::crashed, task, answer->text));
-    } else {
-      settle(task, answer->row);
+      if (worker->ended()) mend(worker);
+      return;
+    }
+    switch (answer->kind) {
+      case Answer::Kind::done:
+        return settle(task, {Result::Kind::done, std::move(answer->text)});
+      case Answer::Kind::failed:
+        return settle(task, {Result::Kind::failed, std::move(answer->text)});
+      case Answer::Kind::refused:
+        return settle(task, {Result::Kind::refused, std::move(answer->text)});
+      case Answer::Kind::broken:
+        throw MachineError(answer->text);
     }
   }
 
@@ -206,15 +211,15 @@ class Sweep {
     worker = new_worker();
     if (tasks.empty()) return;
     const Task task = tasks.front();
-    const bool again = end.from_outside ? ++ends_from_outside_[task.run] < most_ends_from_outside : !first;
+    const bool again = end.from_outside ? ++ends_from_outside_[task.job] < most_ends_from_outside : !first;
     if (!again) {
       tasks.pop_front();
-      settle(task, failure(Status::crashed, task, end.reason));
+      settle(task, {Result::Kind::crashed, end.reason});
     }
     for (const Task& left : tasks) worker->give(left);
   }
 
-  /// Before the answers, which would count it as time of their runs.
+  /// Before the answers, which would count it as time of their jobs.
   void excuse_a_stop() {
     const double now = steady_seconds();
     const double turn = now - looked_at_s_;
@@ -231,15 +236,9 @@ class Sweep {
       const Task task = tasks.front();
       tasks.pop_front();
       worker = new_worker();  // the old one ends with its place
-      Row row = failure(Status::timeout, task, "took longer than " + seconds_text(options_.timeout_s) + " s");
-      row.cpu_us = std::lround(1e6 * options_.timeout_s);
-      settle(task, row);
+      settle(task, {Result::Kind::late, "took longer than " + seconds_text(options_.timeout_s) + " s"});
       for (const Task& left : tasks) worker->give(left);
     }
-  }
-
-  static Row failure(Status status, const Task& task, const std::string& reason) {
-    return {status, (task.kind == Task::Kind::prepare ? "what its runs share: " : "") + reason, 0, ""};
   }
 
   static std::string seconds_text(double seconds) {
@@ -250,19 +249,19 @@ class Sweep {
   }
 
   /// A task has come to its end.
-  void settle(const Task& task, const Row& row) {
+  void settle(const Task& task, Result result) {
     const auto open = std::find_if(open_.begin(), open_.end(), [&](const Open& o) { return o.group == task.group; });
-    if (task.kind == Task::Kind::prepare && row.status == Status::ok) {
+    if (task.kind == Task::Kind::job) {
+      take_(task.job, result);
+      --open->running;
+      ends_from_outside_.erase(task.job);
+    } else if (result.kind == Result::Kind::done) {
       open->phase = Open::Phase::ready;
       return;
-    }
-    if (task.kind == Task::Kind::prepare) {
-      // Without what they share none of its runs can be.
-      for (; open->next < open->end; ++handed_) journal_.append(plan_[open->next++], row);
     } else {
-      journal_.append(task.run, row);
-      --open->running;
-      ends_from_outside_.erase(task.run);
+      // Without what they share none of its jobs can be.
+      result.of_preparation = true;
+      for (; open->next < open->end; ++handed_) take_(plan_[open->next++].number, result);
     }
     if (open->next == open->end && open->running == 0) {
       shared_[static_cast<std::size_t>(open->place)].clear();
@@ -272,14 +271,13 @@ class Sweep {
   }
 
   const Work& work_;
-  std::span<const std::uint32_t> groups_;
-  Journal& journal_;
-  const SweepOptions& options_;
+  std::span<const Job> plan_;
+  const TakeResult& take_;
+  const PoolOptions& options_;
   Signals signals_;
   std::vector<Shared> shared_;
-  std::vector<std::uint32_t> plan_;  // runs to do, group by group
-  std::size_t begun_ = 0;            // of the plan: up to here groups have been opened
-  std::size_t handed_ = 0;           // of the plan: so many are settled or with a worker
+  std::size_t begun_ = 0;   // of the plan: up to here groups have been opened
+  std::size_t handed_ = 0;  // of the plan: so many are settled or with a worker
   std::list<Open> open_;
   std::vector<int> free_places_;
   std::map<long, int> ends_from_outside_;
@@ -290,10 +288,8 @@ class Sweep {
 
 }  // namespace
 
-int run_sweep(const Work& work, std::span<const std::uint32_t> groups, Journal& journal, const SweepOptions& options) {
-  const int signal = Sweep(work, groups, journal, options).run();
-  journal.sync();
-  return signal;
+int run_pool(const Work& work, std::span<const Job> plan, const TakeResult& take, const PoolOptions& options) {
+  return Pool(work, plan, take, options).run();
 }
 
-}  // namespace odeval::sweep
+}  // namespace odeval::run

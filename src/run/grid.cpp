@@ -1,4 +1,4 @@
-#include "sweep/grid.hpp"
+#include "run/grid.hpp"
 
 #include <algorithm>
 #include <bit>

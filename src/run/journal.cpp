@@ -1,4 +1,4 @@
-#include "sweep/journal.hpp"
+#include "run/journal.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -10,9 +10,9 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
-#include <ctime>
 
 #include "odeval/error.hpp"
+#include "run/clock.hpp"
 
 namespace odeval::sweep {
 namespace {
@@ -109,12 +109,6 @@ bool is_number(const std::string& text, long& number) {
 }
 
 }  // namespace
-
-double steady_seconds() {
-  timespec now{};
-  ::clock_gettime(CLOCK_MONOTONIC, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 std::string_view status_name(Status status) { return names[static_cast<std::size_t>(status)]; }
 
@@ -377,12 +371,13 @@ void Journal::append(long run, const Row& row) {
   const std::uint64_t offset = size_;
   append_line(row_line(seed_, run, row));
   note(run, offset, row);
-  if (unsynced_++ == 0) unsynced_since_s_ = steady_seconds();
+  if (unsynced_++ == 0) unsynced_since_s_ = run::steady_seconds();
   sync_in_time();
 }
 
 void Journal::sync_in_time() {
-  if (unsynced_ >= most_unsynced || (unsynced_ > 0 && steady_seconds() - unsynced_since_s_ >= longest_unsynced_s)) {
+  if (unsynced_ >= most_unsynced ||
+      (unsynced_ > 0 && run::steady_seconds() - unsynced_since_s_ >= longest_unsynced_s)) {
     sync();
   }
 }
