@@ -23,7 +23,7 @@ report::Outcome failure(const Experiment& experiment, const std::string& why) {
   report::Outcome outcome;
   outcome.failures.push_back(std::string(experiment.name) + ": " + why);
   outcome.section = {std::string(experiment.name),
-                     std::string(experiment.title),
+                     report::title_of(experiment.prose),
                      {report::Text{"This experiment failed, and its numbers are missing: " + why}}};
   return outcome;
 }
@@ -31,7 +31,7 @@ report::Outcome failure(const Experiment& experiment, const std::string& why) {
 report::Outcome outcome_of(const Experiment& experiment, Laboratory& laboratory) try {
   report::Outcome outcome;
   report::Findings findings;
-  outcome.section = experiment.run(laboratory, findings);
+  outcome.section = section_of(experiment, laboratory, findings);
   for (const auto& finding : findings.all()) outcome.findings.emplace_back(finding);
   return outcome;
 } catch (const MachineError& error) {
