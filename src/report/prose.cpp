@@ -1,92 +1,17 @@
 #include "report/prose.hpp"
 
 #include <algorithm>
-#include <kainjow/mustache.hpp>
 #include <optional>
-#include <set>
 #include <stdexcept>
 
 namespace odeval::report {
 namespace {
 
-namespace mustache = kainjow::mustache;
-using Names = std::set<std::string, std::less<>>;
-
-constexpr const char* again = "again";  // what every item of a list but the first has
-
 [[noreturn]] void fail(std::string_view section, const std::string& why) {
   throw std::logic_error(fmt::format("template of '{}': {}", section, why));
 }
 
-const std::vector<Values>* items_of(const Values& values, std::string_view name) {
-  const auto found = values.find(name);
-  return found == values.end() ? nullptr : std::get_if<std::vector<Values>>(&found->second.get());
-}
-
-/// Of {{name}}, {{#name}}, {{^name}} and {{/name}}. What a list without items leaves out is not looked at.
-Names names_in(std::string_view prose, const Values& values) {
-  Names names;
-  for (std::size_t at = prose.find("{{"); at != std::string_view::npos; at = prose.find("{{", at)) {
-    at += 2;
-    const std::size_t end = std::min(prose.find("}}", at), prose.size());
-    std::string_view name = prose.substr(at, end - at);
-    if (!name.empty() && std::string_view("#^/").find(name.front()) != std::string_view::npos) name.remove_prefix(1);
-    if (name != again) names.emplace(name);
-    const auto* const items = items_of(values, name);
-    if (items != nullptr && items->empty())
-      at = std::min(prose.find(fmt::format("{{{{/{}}}}}", name), at), prose.size());
-  }
-  return names;
-}
-
-/// Those of the items of lists as well.
-Names names_of(const Values& values) {
-  Names names;
-  for (const auto& [name, value] : values) {
-    names.insert(name);
-    const auto* const items = items_of(values, name);
-    if (items == nullptr || items->empty()) continue;
-    Names own = names_of(items->front());
-    for (const Values& item : *items) {
-      if (names_of(item) != own) throw std::logic_error("the items of {{#" + name + "}} differ in their names");
-    }
-    names.merge(own);
-  }
-  return names;
-}
-
-mustache::data data_of(const Values& values) {
-  mustache::data data;
-  for (const auto& [name, value] : values) {
-    if (const auto* const text = std::get_if<std::string>(&value.get())) {
-      data.set(name, text->empty() ? mustache::data(false) : mustache::data(*text));
-      continue;
-    }
-    mustache::data items(mustache::data::type::list);
-    for (const Values& item : std::get<std::vector<Values>>(value.get())) {
-      mustache::data one = data_of(item);
-      one.set(again, items.is_non_empty_list());
-      items << one;
-    }
-    data.set(name, items);
-  }
-  return data;
-}
-
-std::string rendered(const std::string& section, std::string_view prose, const Values& values) {
-  const Names wanted = names_in(prose, values);
-  const Names given = names_of(values);
-  for (const std::string& name : wanted) {
-    if (!given.contains(name)) fail(section, "{{" + name + "}} has no value");
-  }
-  for (const std::string& name : given) {
-    if (!wanted.contains(name)) fail(section, "the value of {{" + name + "}} stands nowhere");
-  }
-  mustache::mustache text{std::string(prose)};
-  if (!text.is_valid()) fail(section, text.error_message());
-  text.set_custom_escape([](const std::string& value) { return value; });
-  return text.render(data_of(values));
-}
+std::string as_it_is(std::string_view text) { return std::string(text); }
 
 /// Lines between empty ones.
 std::vector<std::vector<std::string>> paragraphs(std::string_view text) {
@@ -165,7 +90,7 @@ std::string title_of(std::string_view prose) {
 
 Section section_of(std::string name, std::string_view prose, Content content) {
   Section section{std::move(name), title_of(prose), {}};
-  auto all = paragraphs(rendered(section.name, prose, content.values));
+  auto all = paragraphs(filled(section.name, prose, content.values, as_it_is));
   all.front().erase(all.front().begin());  // the title
   for (const std::vector<std::string>& lines : all) {
     if (lines.empty()) continue;

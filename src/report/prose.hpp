@@ -18,41 +18,15 @@
 //   Of the run with {{method}}.
 //
 // A line that ends goes on in the next. Nothing is escaped here: the page does that.
-#include <fmt/format.h>
-
-#include <concepts>
-#include <map>
 #include <string>
 #include <string_view>
-#include <type_traits>
 #include <variant>
 #include <vector>
 
 #include "report/document.hpp"
+#include "report/template.hpp"
 
 namespace odeval::report {
-
-class Value;
-using Values = std::map<std::string, Value, std::less<>>;
-
-/// What a template's {{name}} stands for: text, or a number with all its digits. As {{#name}} ... {{/name}} a text that
-/// is empty leaves out what is between, and a list repeats it, with the values of each of its items;
-/// {{#again}}, {{/again}} stands before every item but the first.
-class Value {
- public:
-  Value(std::string text) : is_(std::move(text)) {}
-  Value(std::string_view text) : is_(std::string(text)) {}
-  Value(const char* text) : is_(std::string(text)) {}
-  Value(std::vector<Values> items) : is_(std::move(items)) {}
-  template <class Number>
-  requires(std::is_arithmetic_v<Number> && !std::same_as<Number, bool>) Value(Number number)
-      : is_(fmt::format("{}", number)) {}
-
-  const std::variant<std::string, std::vector<Values>>& get() const { return is_; }
-
- private:
-  std::variant<std::string, std::vector<Values>> is_;
-};
 
 /// In the place of an exhibit that could not be made.
 struct Lacking {

@@ -97,7 +97,7 @@ void every_mistake_is_found() {
   refused("no table 'same-name' was measured", [](Content&, std::string& t) { t += "\n[table same-name] Twice\n"; });
   refused("it has no place for table 'more'",
           [](Content& c, std::string&) { c.exhibits.emplace_back(Table{.name = "more"}); });
-  refused("the items of {{#moves}} differ in their names", [](Content& c, std::string&) {
+  refused("{{by}} has no value", [](Content& c, std::string&) {
     c.values.insert_or_assign("moves", std::vector<Values>{{{"step", 1}, {"by", 2}}, {{"step", 1}}});
   });
   refused("Unclosed section", [](Content&, std::string& t) { t += "{{#mass}}"; });
