@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <array>
 
 #include "experiments/all.hpp"
@@ -6,17 +5,13 @@
 namespace odeval::experiments {
 namespace {
 
-struct Prose {
-  std::string_view name;
-  std::string_view text;
-};
-constexpr Prose prose[] = {
+constexpr report::Embedded prose[] = {
 #include "experiment_prose.inc"  // the files of text/, by their names
 };
 
 /// Without a template it does not compile.
 consteval Experiment row(std::string_view name, report::Content (*run)(Laboratory&, report::Findings&)) {
-  return {name, std::ranges::find(prose, name, &Prose::name)->text, run};
+  return {name, report::text_of(prose, name), run};
 }
 
 // clang-format off

@@ -66,7 +66,7 @@ bool belongs(const Exhibit& exhibit, const Place& place) {
 /// An exhibit with its words from the template.
 struct Worded {
   const Place& place;
-  const std::string& words;
+  std::string words;
 
   Block operator()(Table table) const {
     table.title = place.title;

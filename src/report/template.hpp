@@ -2,8 +2,10 @@
 // Mustache templates, filled with named values.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <concepts>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -34,6 +36,17 @@ class Value {
  private:
   std::variant<std::string, std::vector<Values>> is_;
 };
+
+/// A file of the sources that the build puts into the program (src/embed.cmake).
+struct Embedded {
+  std::string_view name;  // without folder and ending
+  std::string_view text;
+};
+
+/// Without a file of that name it does not compile.
+consteval std::string_view text_of(std::span<const Embedded> files, std::string_view name) {
+  return std::ranges::find(files, name, &Embedded::name)->text;
+}
 
 /// The template `text` with its values; {{name}} escaped, {{{name}}} as it is. Throws std::logic_error, which calls the
 /// template `title`, where the two differ: a name without a value, a value that is named nowhere; or where the template

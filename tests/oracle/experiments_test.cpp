@@ -279,12 +279,20 @@ void check_chain_of() {
   CHECK_EQUAL(chain.sample_s.value(), 0.02);
 }
 
+// What four templates say of a build without single precision, and of no other.
+void check_left_out() {
+  CHECK_EQUAL(experiments::left_out({"ode-step-double"}), "");
+  CHECK_EQUAL(experiments::left_out({"none", "ode-step-double", "neither"}),
+              "none, neither (" + std::string(catalogue::why_missing) + ")");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const Page page = run_all(argc > 1 ? argv[1] : "");
   check_parts(page);
   check_chain_of();
+  check_left_out();
   if (argc > 1) return test::verdict();
   check_claims(page);
   check_numbers(page);
