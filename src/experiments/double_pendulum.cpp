@@ -1,6 +1,4 @@
 // The motion of the double pendulum in three methods: the report's Figures 5.9, 5.11 and 5.12.
-#include <fmt/format.h>
-
 #include <cmath>
 
 #include "experiments/all.hpp"

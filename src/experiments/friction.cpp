@@ -1,6 +1,4 @@
 // Friction as a pyramid and as a constant force, beside Coulomb's law: claim C14.
-#include <fmt/format.h>
-
 #include <cmath>
 #include <numbers>
 

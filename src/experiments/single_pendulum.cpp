@@ -1,6 +1,4 @@
 // The single pendulum beside the double one: claim C17.
-#include <fmt/format.h>
-
 #include "experiments/all.hpp"
 #include "experiments/parts.hpp"
 
