@@ -46,7 +46,7 @@ std::optional<double> parts_at(const Trace& a, const Trace& b, double by_rad) {
 Figure angles(Evaluator& evaluator, const std::vector<const Evaluation*>& runs) {
   const Trace& truth = evaluator.reference().trace;
   const auto shade = all_lost(evaluator, runs);
-  Figure figure{"fig-5-13", "Figure 5.13 again: angles of ODE, Euler and ode45 beside the reference", {}, {}, 1};
+  Figure figure{.name = "fig-5-13"};
   for (std::size_t i = 0; i < truth.q.size(); ++i) {
     Panel panel{.x_label = "t, s", .y_label = fmt::format("q{}, rad", i + 1), .shade = shade};
     panel.series.push_back(curve("reference", truth.t, truth.q[i], colour_of(catalogue::reference_method), true));
@@ -56,13 +56,12 @@ Figure angles(Evaluator& evaluator, const std::vector<const Evaluation*>& runs) 
     }
     figure.panels.push_back(std::move(panel));
   }
-  figure.caption = "The report judged the first two by the third, without a reference to judge the third by.";
   return figure;
 }
 
 Figure errors(Evaluator& evaluator, const std::vector<const Evaluation*>& runs) {
   const Reference& reference = evaluator.reference();
-  Figure figure{"accuracy-errors", "Largest angle error over time", {}, {}, 1};
+  Figure figure{.name = "accuracy-errors"};
   Panel panel{.x_label = "t, s", .y_label = "error, rad", .log_y = true, .shade = all_lost(evaluator, runs)};
   for (const Evaluation* run : runs) {
     const std::string name(run->method->name);
@@ -73,21 +72,14 @@ Figure errors(Evaluator& evaluator, const std::vector<const Evaluation*>& runs) 
   const double end = reference.trace.t.back();
   panel.series.push_back(curve("lost: 0.1 rad", {0, end}, {divergence_rad, divergence_rad}, guide_colour, true));
   figure.panels.push_back(std::move(panel));
-  figure.caption =
-      "A method is lost where its curve passes 0.1 rad. All rise alike, since the motion itself amplifies any error; "
-      "what tells methods apart is the height they start from.";
   return figure;
 }
 
 Table losses(Evaluator& evaluator, const std::vector<const Evaluation*>& runs, const Trace& ode45) {
-  Table table{"accuracy",
-              "How long each method can be followed",
-              {"method", "error until 1 s, rad", "error until 3 s, rad", "lost at, s",
-               fmt::format("distance from ode45 until {} s (rms), rad", claimed_until_s),
-               fmt::format("parts from ode45 by {} rad at, s", visible_rad)},
-              {},
-              "The errors are the largest angle errors against the reference; lost is an error above 0.1 rad." +
-                  reference_known(evaluator, {1, 3, evaluator.scenario().duration_s})};
+  Table table{.name = "accuracy",
+              .columns = {"method", "error until 1 s, rad", "error until 3 s, rad", "lost at, s",
+                          fmt::format("distance from ode45 until {} s (rms), rad", claimed_until_s),
+                          fmt::format("parts from ode45 by {} rad at, s", visible_rad)}};
   for (const Evaluation* run : runs) {
     const Metrics whole = evaluator.measure(*run, evaluator.scenario().duration_s);
     const std::optional<double> apart = parts_at(run->trace, ode45, visible_rad);
@@ -105,9 +97,8 @@ Table losses(Evaluator& evaluator, const std::vector<const Evaluation*>& runs, c
 
 }  // namespace
 
-Section accuracy(Laboratory& laboratory, Findings& findings) {
+Content accuracy(Laboratory& laboratory, Findings& findings) {
   Evaluator& evaluator = laboratory.evaluator(std::string(scenario_name));
-  Section section{"accuracy", "Who follows whom (Figure 5.13)", {}};
   std::vector<const Evaluation*> runs;
   for (const std::string_view name : compared) {
     runs.push_back(laboratory.run(std::string(scenario_name), name));
@@ -132,15 +123,15 @@ Section accuracy(Laboratory& laboratory, Findings& findings) {
     const auto time = evaluator.measure(*run, evaluator.scenario().duration_s).divergence_time;
     return time ? "at " + shown(*time) + " s" : std::string("never");
   };
-  section.blocks.emplace_back(report::Text{fmt::format(
-      "In 2010 ode45 was taken for the truth, and ODE was found to follow it until just over 6 s. Beside a reference "
-      "with a known error, ODE is lost {}, ode45 at its default tolerance (rtol 1e-3) {} and Euler {}. A distance from "
-      "a method that is lost is mostly that method's own error.",
-      lost_at(runs[0]), lost_at(runs[2]), lost_at(runs[1]))});
-  section.blocks.emplace_back(angles(evaluator, runs));
-  section.blocks.emplace_back(errors(evaluator, runs));
-  section.blocks.emplace_back(losses(evaluator, runs, ode45));
-  return section;
+  Content content;
+  content.values = {{"known", reference_known(evaluator, {1, 3, evaluator.scenario().duration_s})},
+                    {"ode_lost", lost_at(runs[0])},
+                    {"ode45_lost", lost_at(runs[2])},
+                    {"euler_lost", lost_at(runs[1])}};
+  content.exhibits.emplace_back(angles(evaluator, runs));
+  content.exhibits.emplace_back(errors(evaluator, runs));
+  content.exhibits.emplace_back(losses(evaluator, runs, ode45));
+  return content;
 }
 
 }  // namespace odeval::experiments

@@ -40,12 +40,10 @@ double predicted(const Scenario& scenario) {
   return std::fmax((scenario.restitution() - mixed) / (1 + mixed), -1);
 }
 
-void delivered(const Scenario& scenario, Section& section, Findings& findings) {
-  report::Table table{"bouncing-delivered",
-                      "Restitution asked for and delivered at the first impact",
-                      {"h, s", "ERP", "CFM", "mass, kg", "speed, m/s", "overlap, m", "asked for", "delivered"},
-                      {},
-                      "dWorldStep, double precision."};
+void delivered(const Scenario& scenario, Content& content, Findings& findings) {
+  report::Table table{
+      .name = "bouncing-delivered",
+      .columns = {"h, s", "ERP", "CFM", "mass, kg", "speed, m/s", "overlap, m", "asked for", "delivered"}};
   const auto add = [&](const Scenario& changed) {
     const First first = first_impact(changed);
     table.rows.push_back({changed.step_s, changed.ode.erp, changed.ode.cfm, changed.bodies[0].mass_kg,
@@ -96,20 +94,13 @@ void delivered(const Scenario& scenario, Section& section, Findings& findings) {
                measured("the same for 10 kg with the CFM that single precision has by default, 1e-5", "",
                         add(heavy) / scenario.restitution()));
 
-  report::Figure figure{"bouncing-delivered-figure", "Restitution that ODE delivers", {}, {}, 2};
+  report::Figure figure{.name = "bouncing-delivered-figure", .columns = 2};
   figure.panels = {std::move(by_step), std::move(by_asked)};
-  figure.caption = fmt::format(
-      "Left: {} asked for; the points are measured, the lines the law with c = CFM m / h. Right: with ERP alone there "
-      "is "
-      "a bounce as well, by ERP times the part of the last step that the ball spent in the ground, so no ball falls "
-      "dead "
-      "at restitution 0.",
-      scenario.restitution());
-  section.blocks.emplace_back(std::move(figure));
-  section.blocks.emplace_back(std::move(table));
+  content.exhibits.emplace_back(std::move(figure));
+  content.exhibits.emplace_back(std::move(table));
 }
 
-void many(const Scenario& scenario, Section& section) {
+void many(const Scenario& scenario, Content& content) {
   Panel panel{.x_label = "impact", .y_label = "speed over that of the first", .log_y = true};
   Column numbers;
   Column truth;
@@ -129,21 +120,15 @@ void many(const Scenario& scenario, Section& section) {
   }
   for (const double number : numbers) truth.push_back(std::pow(scenario.restitution(), number - 1));
   panel.series.push_back(curve("Newton's law", numbers, truth, guide_colour, true));
-  report::Figure figure{"bouncing-many-figure", "Impact after impact", {}, {}, 1};
+  report::Figure figure{.name = "bouncing-many-figure"};
   figure.panels = {std::move(panel)};
-  figure.caption =
-      "The square is the energy left. A curve leaves the line where a flight takes a few steps only: ODE's ball then "
-      "rests, or hops on at the speed of gravity in a step or so.";
-  section.blocks.emplace_back(std::move(figure));
+  content.exhibits.emplace_back(std::move(figure));
 }
 
-void rest(const Scenario& scenario, Section& section) {
-  report::Table table{"bouncing-rest",
-                      "At rest",
-                      {"method", "ERP", "CFM", "slower do not bounce, m/s", "rests from, s",
-                       "largest speed in the last second, m/s", "overlap at the end, m"},
-                      {},
-                      ""};
+void rest(const Scenario& scenario, Content& content) {
+  report::Table table{.name = "bouncing-rest",
+                      .columns = {"method", "ERP", "CFM", "slower do not bounce, m/s", "rests from, s",
+                                  "largest speed in the last second, m/s", "overlap at the end, m"}};
   double true_rest = NAN;
   for (const char* method :
        {"ode-step-double", "ode-step-single", "ode-quickstep-double", "ode-quickstep-single", "ode-rk4-double"}) {
@@ -175,12 +160,9 @@ void rest(const Scenario& scenario, Section& section) {
       table.rows.push_back(std::move(row));
     }
   }
-  table.note = fmt::format(
-      "The closed form rests from {} s; \"rests\" means slower than {} m/s until the end of {} s. The largest speed in "
-      "the last second says whether "
-      "it trembles: what is left is rounding, of doubles or of the position in single precision.",
-      shown(true_rest), rest_m_s, scenario.duration_s);
-  section.blocks.emplace_back(std::move(table));
+  content.values.insert(
+      {{"rests_from", shown(true_rest)}, {"rest_speed", rest_m_s}, {"duration", scenario.duration_s}});
+  content.exhibits.emplace_back(std::move(table));
 }
 
 /// Of the first ball.
@@ -191,15 +173,11 @@ double deepest(const std::vector<Impact>& impacts) {
 }
 
 /// Energies of the balls over the steps of the ladder; beyond 1 ms one ball stands for all, which are equal.
-void ladder(const Scenario& grid, Section& section, Findings& findings) {
-  report::Table table{"bouncing-balls",
-                      "49 balls that bounce for 20 s and should keep their energy",
-                      {"method", "ERP", "h, s", "balls", "energy at the start, J", "mean squared energy error, J²",
-                       "energy at the end over the start", "largest overlap, m"},
-                      {},
-                      "Radius 0.1 m, 10 kg, from 5 m, restitution 1, as in SimBenchmark's bouncing test; errors of 49 "
-                      "balls, also where "
-                      "one was stepped (they are equal, and the energy is 49 times its own)."};
+void ladder(const Scenario& grid, Content& content, Findings& findings) {
+  report::Table table{
+      .name = "bouncing-balls",
+      .columns = {"method", "ERP", "h, s", "balls", "energy at the start, J", "mean squared energy error, J²",
+                  "energy at the end over the start", "largest overlap, m"}};
   Panel panel{.x_label = "h, s", .y_label = "root mean square energy error over energy", .log_x = true, .log_y = true};
   const auto energy = [](const Trace& trace, std::size_t row) { return trace.kinetic[row] + trace.potential[row]; };
   struct Rung {
@@ -242,34 +220,23 @@ void ladder(const Scenario& grid, Section& section, Findings& findings) {
     }
     panel.series.push_back(std::move(series));
   }
-  report::Figure figure{"bouncing-balls-figure", "Energy of 49 balls over the step", {}, {}, 1};
+  report::Figure figure{.name = "bouncing-balls-figure"};
   figure.panels = {std::move(panel)};
-  figure.caption =
-      "Restitution 1: the energy at t = 0 is what every step should show. What a step shows in flight is off by up to "
-      "h m g v / 2 and comes back; what the CFM of 1e-10 takes away, c = CFM m / h of the speed twice an impact, does "
-      "not. Below some 0.2 ms that is the more of the two, and a smaller step makes it worse.";
-  section.blocks.emplace_back(std::move(figure));
-  section.blocks.emplace_back(std::move(table));
+  content.exhibits.emplace_back(std::move(figure));
+  content.exhibits.emplace_back(std::move(table));
 }
 
 }  // namespace
 
-Section bouncing_ball(Laboratory& laboratory, Findings& findings) {
+Content bouncing_ball(Laboratory& laboratory, Findings& findings) {
   const Scenario& scenario = laboratory.scenario("bouncing_ball");
-  Section section{"bouncing-ball", "A ball that bounces, and rests", {}};
-  section.blocks.emplace_back(report::Text{fmt::format(
-      "A ball of {} kg falls 1 m to level ground that gives back {} of its speed. ODE asks its contact for the rate e "
-      "|v| "
-      "in the step that sees the overlap, and for ERP / h times the overlap if that is more; CFM then lets a part of "
-      "the "
-      "impulse through. In a single step the rate is v+ = (e |v| - c |v|) / (1 + c), c = CFM m / h (gravity's g h left "
-      "out): a heavy ball, a small step or a large CFM takes restitution away.",
-      scenario.bodies[0].mass_kg, scenario.restitution())});
-  delivered(scenario, section, findings);
-  many(scenario, section);
-  rest(scenario, section);
-  ladder(laboratory.scenario("bouncing_balls"), section, findings);
-  return section;
+  Content content;
+  content.values = {{"restitution", scenario.restitution()}, {"mass", scenario.bodies[0].mass_kg}};
+  delivered(scenario, content, findings);
+  many(scenario, content);
+  rest(scenario, content);
+  ladder(laboratory.scenario("bouncing_balls"), content, findings);
+  return content;
 }
 
 }  // namespace odeval::experiments

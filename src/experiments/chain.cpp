@@ -55,15 +55,10 @@ struct Errors {
 
 Errors measure_errors(const Scenario& file) {
   Errors result;
-  result.table = {
-      "chain-errors",
-      fmt::format("Error and conditioning of chains of n links until {} s, h = {} s", until_s, file.step_s),
-      {"n", "dWorldStep, rad", "QuickStep, rad", "fourth-order step, rad", "symplectic Euler, rad",
-       "the reference's uncertainty, rad", "condition of the mass matrix", "condition of ODE's system matrix"},
-      {},
-      fmt::format("Errors are the largest of all angles at rows {} s apart (odeval run looks at every step); condition "
-                  "numbers (1-norm) are medians over them.",
-                  chain_rows_s)};
+  result.table = {.name = "chain-errors",
+                  .columns = {"n", "dWorldStep, rad", "QuickStep, rad", "fourth-order step, rad",
+                              "symplectic Euler, rad", "the reference's uncertainty, rad",
+                              "condition of the mass matrix", "condition of ODE's system matrix"}};
   for (const char* stepper : steppers) result.errors.push_back({stepper, "error", {}, colour_of(stepper)});
   result.conditions = {{"generalized: mass matrix", "condition", {}, colour_of("lagrange-cvode")},
                        {"Cartesian: ODE's system matrix", "condition", {}, colour_of("ode-step-double")}};
@@ -100,13 +95,9 @@ long steps_of(std::size_t n) { return std::max(8L, 1000L / static_cast<long>(n))
 
 Costs measure_costs(const Scenario& file) {
   Costs result;
-  result.table = {"chain-costs",
-                  "CPU time of chains of n links on this machine",
-                  {"n", "dWorldStep, s a step", "QuickStep, s a step", "fourth-order step, s a step",
-                   "reference (one run of CVODE), s for 1 s of motion"},
-                  {},
-                  fmt::format("Medians of {} runs in turn, nothing recorded; QuickStep at {} iterations.", rounds,
-                              file.ode.iterations)};
+  result.table = {.name = "chain-costs",
+                  .columns = {"n", "dWorldStep, s a step", "QuickStep, s a step", "fourth-order step, s a step",
+                              "reference (one run of CVODE), s for 1 s of motion"}};
   for (const char* method : timed) result.costs.push_back({method, "cost", {}, colour_of(method)});
   for (const std::size_t n : cost_sizes) {
     Scenario steps = chain_of(file, n, until_s);
@@ -134,15 +125,9 @@ Costs measure_costs(const Scenario& file) {
 
 /// How wrong dWorldStep is about the forces in its joints (dJointFeedback), beside the reference's multipliers.
 report::Table joint_forces(Laboratory& laboratory, Findings& findings) {
-  report::Table table{
-      "joint-forces",
-      "Forces in the joints until 1 s, dWorldStep",
-      {"scenario", "CFM", "h, s", "largest force, N", "largest error, N", "over that at half the step",
-       "out of the plane, m"},
-      {},
-      "The force of each joint on its link, against the multipliers of the reference. Of first order the "
-      "ratio is 2. CFM softens a joint by CFM/h, which costs the first steps the more of their force the smaller h "
-      "is."};
+  report::Table table{.name = "joint-forces",
+                      .columns = {"scenario", "CFM", "h, s", "largest force, N", "largest error, N",
+                                  "over that at half the step", "out of the plane, m"}};
   for (const char* name : {"double_pendulum", "chain"}) {
     Scenario scenario = laboratory.scenario(name);
     scenario.duration_s = until_s;
@@ -210,7 +195,7 @@ void add_finding(Findings& findings, const std::string& name, const std::string&
 
 }  // namespace
 
-Section chain(Laboratory& laboratory, Findings& findings) {
+Content chain(Laboratory& laboratory, Findings& findings) {
   const Scenario& file = laboratory.scenario("chain");
   const Errors errors = measure_errors(file);
   const Costs costs = measure_costs(file);
@@ -228,12 +213,7 @@ Section chain(Laboratory& laboratory, Findings& findings) {
   findings.add("chain.quickstep_overtakes",
                overtakes ? measured(meaning, "", *overtakes) : unavailable(meaning, "", "not between 4 and 128 links"));
 
-  report::Table exponents{"chain-exponents",
-                          "How it grows: the exponent p of n^p",
-                          {"method", "of", "p", "± (95 %)", "from n", "to n"},
-                          {},
-                          "Fitted to six sizes; the spread takes in noise and that a power of n is not all there is. "
-                          "Costs of short chains have a part that does not grow."};
+  report::Table exponents{.name = "chain-exponents", .columns = {"method", "of", "p", "± (95 %)", "from n", "to n"}};
   add_exponents(exponents, errors.errors);
   add_exponents(exponents, errors.conditions);
   add_exponents(exponents, costs.costs);
@@ -245,25 +225,21 @@ Section chain(Laboratory& laboratory, Findings& findings) {
   for (const Growth& growth : errors.conditions) of_conditions.series.push_back(series_of(growth));
   for (std::size_t i = 0; i < 3; ++i) of_costs.series.push_back(series_of(costs.costs[i]));
 
-  Section section{"chain", "More links: error, conditioning and cost", {}};
-  section.blocks.emplace_back(report::Text{fmt::format(
-      "The report expected the error to grow with the number of states. Chains of the report's links, which start as "
-      "its double pendulum does with the other links level, at h = {} s. {}",
-      file.step_s,
-      overtakes ? fmt::format("From about {} links on a step of QuickStep is cheaper than one of dWorldStep.",
-                              std::lround(*overtakes))
-                : std::string("Within these sizes one of the two steps of ODE is always the cheaper."))});
-  report::Figure figure{"chain-figure", "Over the number of links", {}, {}, 3};
-  figure.caption =
-      "Straight lines are powers of n. The fourth-order step and QuickStep cost in proportion to n, "
-      "dWorldStep factorises one matrix of all joints.";
+  report::Figure figure{.name = "chain-figure", .columns = 3};
   figure.panels = {std::move(of_errors), std::move(of_conditions), std::move(of_costs)};
-  section.blocks.emplace_back(std::move(figure));
-  section.blocks.emplace_back(errors.table);
-  section.blocks.emplace_back(costs.table);
-  section.blocks.emplace_back(std::move(exponents));
-  section.blocks.emplace_back(joint_forces(laboratory, findings));
-  return section;
+  Content content;
+  content.values = {{"until", until_s},
+                    {"step", file.step_s},
+                    {"rows_apart", chain_rows_s},
+                    {"rounds", rounds},
+                    {"iterations", file.ode.iterations},
+                    {"overtakes", overtakes ? fmt::format("{}", std::lround(*overtakes)) : ""}};
+  content.exhibits.emplace_back(std::move(figure));
+  content.exhibits.emplace_back(errors.table);
+  content.exhibits.emplace_back(costs.table);
+  content.exhibits.emplace_back(std::move(exponents));
+  content.exhibits.emplace_back(joint_forces(laboratory, findings));
+  return content;
 }
 
 }  // namespace odeval::experiments

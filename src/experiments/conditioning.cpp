@@ -77,14 +77,7 @@ report::Figure figure(const std::vector<SetUp>& all) {
                           report::Mark::line,
                           guide_colour,
                           true});
-  return {
-      "conditioning-figure",
-      "Condition of J M^-1 J' + CFM/h over CFM",
-      "Largest over least eigenvalue, in the pose of the start. CFM/h is added to every eigenvalue: where the least "
-      "is smaller than that, the condition number falls with CFM, and for hinges made twice, whose least is zero, it "
-      "is inversely proportional to it.",
-      {std::move(panel)},
-      1};
+  return {.name = "conditioning-figure", .panels = {std::move(panel)}};
 }
 
 /// What dWorldStep makes of it.
@@ -106,19 +99,16 @@ Run run_of(const SetUp& set_up, Evaluator& evaluator, double cfm) {
 
 }  // namespace
 
-Section conditioning(Laboratory& laboratory, Findings& findings) {
+Content conditioning(Laboratory& laboratory, Findings& findings) {
   const Scenario& file = laboratory.scenario("double_pendulum");
   const std::vector<SetUp> all = set_ups(file);
   const SetUp& single = all[0];
   const SetUp& near_singular = all[1];
   const SetUp& redundant = all[2];
 
-  report::Table table{"conditioning",
-                      fmt::format("What dWorldStep does there until {} s, h = {} s", until_s, file.step_s),
-                      {"set-up", "CFM", "condition number", "digits left of 16", "angle error, rad", "gap, m", "run"},
-                      {},
-                      "The condition number is that of the first step. A run that ODE gives up, by an assertion that "
-                      "would end the program, is stopped there and said to be."};
+  report::Table table{
+      .name = "conditioning",
+      .columns = {"set-up", "CFM", "condition number", "digits left of 16", "angle error, rad", "gap, m", "run"}};
   std::string without;
   double error_single = NAN;
   double error_redundant = NAN;
@@ -156,26 +146,18 @@ Section conditioning(Laboratory& laboratory, Findings& findings) {
                                           until_s, file.ode.cfm),
                               error_redundant, error_single, doubt, doubt));
 
-  Section section{"conditioning", "What CFM does for the system to be solved", {}};
-  section.blocks.emplace_back(report::Text{fmt::format(
-      "dWorldStep solves (J M^-1 J' + CFM/h) lambda = right side for the forces of the joints. Two ways to bring that "
-      "system down: a link that is very much heavier than the one it carries makes it nearly singular, and a hinge "
-      "made "
-      "twice, which says the same thing twice, makes it singular. With every hinge twice and CFM 0, dWorldStep ends "
-      "so: "
-      "{}. With CFM {} it gives the motion of the single hinges.",
-      without, file.ode.cfm)});
-  section.blocks.emplace_back(figure(all));
-  section.blocks.emplace_back(table);
-  section.blocks.emplace_back(report::Text{fmt::format(
-      "CFM has its price. A joint that carries a force F gives way by CFM h F / ERP until feedback holds it: for the "
-      "upper link of {} kg, {} m at CFM {}. There, where the system was only nearly singular, double precision had "
-      "digits to spare, and CFM cures what did not ail.",
-      near_singular.scenario.links[0].mass_kg,
-      shown(file.ode.cfm * file.step_s / file.ode.erp *
-            (near_singular.scenario.links[0].mass_kg + near_singular.scenario.links[1].mass_kg) * file.gravity),
-      file.ode.cfm)});
-  return section;
+  Content content;
+  content.values = {{"until", until_s},
+                    {"step", file.step_s},
+                    {"ends", without},
+                    {"cfm", file.ode.cfm},
+                    {"heavy_mass", near_singular.scenario.links[0].mass_kg},
+                    {"sag", shown(file.ode.cfm * file.step_s / file.ode.erp *
+                                  (near_singular.scenario.links[0].mass_kg + near_singular.scenario.links[1].mass_kg) *
+                                  file.gravity)}};
+  content.exhibits.emplace_back(figure(all));
+  content.exhibits.emplace_back(table);
+  return content;
 }
 
 }  // namespace odeval::experiments

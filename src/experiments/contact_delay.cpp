@@ -117,16 +117,10 @@ const Contact& find(const std::vector<Contact>& contacts, double face_m, double 
 std::string shown_time(double t_s) { return fmt::format("{:.6f}", t_s); }
 
 Table delays(const std::vector<Contact>& contacts, const std::vector<Setting>& all) {
-  Table table{"contact-delay",
-              "First contact with the wall: what moves it?",
-              {"wall's face at, m", "h, s", "settings", "true touch, s", "dWorldStep: contact, s",
-               "steps after q = -pi/2", "steps after the true touch", "gap of the hinge then, m",
-               "QuickStep: contact, s", "QuickStep: steps after the true touch"},
-              {},
-              "The times of q = -pi/2 and of the true touch are of the closed form. A contact stands at the step that "
-              "finds the bodies overlapping, so up to one step after the touch is what a fixed step can do at best; "
-              "a negative delay comes from ODE running half a step ahead. A "
-              "hinge that has opened lets the link come later."};
+  Table table{.name = "contact-delay",
+              .columns = {"wall's face at, m", "h, s", "settings", "true touch, s", "dWorldStep: contact, s",
+                          "steps after q = -pi/2", "steps after the true touch", "gap of the hinge then, m",
+                          "QuickStep: contact, s", "QuickStep: steps after the true touch"}};
   for (const Contact& contact : contacts) {
     if (contact.stepper != steppers[0]) continue;
     const Contact& quick = find(contacts, contact.face_m, contact.step_s, contact.setting, steppers[1]);
@@ -211,16 +205,17 @@ void add_findings(Findings& findings, const std::vector<Contact>& contacts, cons
             moved_by_face(contacts, file, file.step_s));
 }
 
-/// The moves in words, at both steps.
-std::string moves(const std::vector<Contact>& contacts, const Scenario& file) {
-  std::string all;
+/// The moves at both steps, ms.
+std::vector<report::Values> moves(const std::vector<Contact>& contacts, const Scenario& file) {
+  std::vector<report::Values> all;
   for (const double step_s : {file.step_s, file.step_s / 10}) {
     const auto by_settings = moved_by_settings(contacts, step_s);
     const auto by_face = moved_by_face(contacts, file, step_s);
     if (!by_settings || !by_face) continue;
-    all += fmt::format("{}at h = {} s ERP and CFM move it by at most {} ± {} ms and the face by {} ± {} ms",
-                       all.empty() ? "" : "; ", step_s, shown(1e3 * by_settings->s), shown(1e3 * step_s),
-                       shown(1e3 * by_face->s), shown(1e3 * step_s));
+    all.push_back({{"step", step_s},
+                   {"by_settings", shown(1e3 * by_settings->s)},
+                   {"by_face", shown(1e3 * by_face->s)},
+                   {"known_to", shown(1e3 * step_s)}});
   }
   return all;
 }
@@ -238,14 +233,9 @@ Panel angle_panel(const Trace& trace, const Reference& reference, double from_s,
 }
 
 Figure whole_motion(Evaluator& evaluator, const Evaluation& run) {
-  Figure figure{"fig-6-3", "Figure 6.3 again: ODE against the wall, beside the reference", {}, {}, 1};
+  Figure figure{.name = "fig-6-3"};
   figure.panels.push_back(angle_panel(run.trace, evaluator.reference(), 0, evaluator.scenario().duration_s, false));
   figure.panels.back().shade = lost_shade(evaluator, run);
-  const Metrics metrics = evaluator.measure(run, evaluator.scenario().duration_s);
-  figure.caption = fmt::format(
-      "Both go past q = -pi/2 before they turn, since the wall's face lies behind the link's side. The largest "
-      "difference of the two in {} s is {} rad.",
-      evaluator.scenario().duration_s, shown(metrics.max_error_q.value_or(NAN)));
   return figure;
 }
 
@@ -257,30 +247,22 @@ Figure first_contact(Evaluator& evaluator, const Evaluation& run, const Evaluati
     const double h = of.scenario().step_s;
     return angle_panel(trace.trace, of.reference(), touch_s - 15 * h, touch_s + 10 * h, true);
   };
-  Figure figure{"fig-6-4", "Figure 6.4 again: the first contact, step by step", {}, {}, 2};
+  Figure figure{.name = "fig-6-4", .columns = 2};
   figure.panels.push_back(panel(evaluator, run));
   figure.panels.push_back(panel(flush_evaluator, flush_run));
   figure.panels[0].x_label = fmt::format("t, s (face at {} m)", scenario.wall->face_m);
   figure.panels[1].x_label = fmt::format("t, s (face at {} m)", side_of_link(scenario));
-  figure.caption =
-      "Each point is a step. Left the wall as the report placed it, right with its face where the side of the hanging "
-      "link is: there q = -pi/2 is the touch, as the report took it to be.";
   return figure;
 }
 
 Table bounces(Evaluator& evaluator, const Evaluation& run) {
   const Reference& reference = evaluator.reference();
   const Column drift = energy_drift(run.trace);
-  Table table{
-      "contact-bounces",
-      "Every bounce of ODE",
-      {"bounce", "contact, s", "after the reference's touch, steps", "rate before, rad/s", "rate after, rad/s",
-       "restitution delivered", "deepest overlap at contact, m", "energy drift before, J", "energy drift after, J",
-       "energy drift between this bounce and the next (rms), J"},
-      {},
-      fmt::format("The restitution asked for is {}. What is delivered is the rate after over the rate before, of the "
-                  "step that carries the bounce.",
-                  evaluator.scenario().wall->restitution)};
+  Table table{.name = "contact-bounces",
+              .columns = {"bounce", "contact, s", "after the reference's touch, steps", "rate before, rad/s",
+                          "rate after, rad/s", "restitution delivered", "deepest overlap at contact, m",
+                          "energy drift before, J", "energy drift after, J",
+                          "energy drift between this bounce and the next (rms), J"}};
   const double h = evaluator.grid().step_s;
   for (std::size_t i = 0; i < run.outcome.impacts.size(); ++i) {
     const Impact& impact = run.outcome.impacts[i];
@@ -300,7 +282,7 @@ Table bounces(Evaluator& evaluator, const Evaluation& run) {
 
 }  // namespace
 
-Section contact_delay(Laboratory& laboratory, Findings& findings) {
+Content contact_delay(Laboratory& laboratory, Findings& findings) {
   Evaluator& evaluator = laboratory.evaluator(scenario_name);
   const Scenario& file = evaluator.scenario();
   const Evaluation& run = *laboratory.run(scenario_name, steppers[0]);
@@ -310,35 +292,27 @@ Section contact_delay(Laboratory& laboratory, Findings& findings) {
 
   const Truth truth = truth_of(file);
   const double touch_rad = reference::free_arc(file).low;
-  Section section{"contact-delay", "Does ODE see the wall late?", {}};
-  section.blocks.emplace_back(report::Text{fmt::format(
-      "In 2010 a link was dropped against a wall, and ODE turned it back some ten steps after q = -pi/2, where the "
-      "MATLAB program turned it. ERP and CFM were suspected; nobody tried. The wall of the ODE program, however, has "
-      "its "
-      "face at {} m, while the side of the hanging link is at {} m: the link touches first with a corner, when "
-      "q = {:.5f} rad, which is {} s or {:.1f} steps after q = -pi/2.",
-      file.wall->face_m, side_of_link(file), touch_rad, shown(truth.touch_s - truth.vertical_s),
-      (truth.touch_s - truth.vertical_s) / file.step_s)});
-  section.blocks.emplace_back(report::Text{
-      "The table changes one thing at a time. If feedback were the cause, the contact would move between rows of one "
-      "face; if the place of the wall is, between the faces. (g is 9.8 m/s² as in the report's ODE program; its MATLAB "
-      "twin has 9.81.)"});
-  if (const std::optional<Move> delay = delay_of(contacts, file)) {
-    section.blocks.emplace_back(report::Text{fmt::format(
-        "Of the delay of {} ms after q = -pi/2, {}. ODE finds contacts at the ends of steps, so a contact is known to "
-        "one step and a move to one step either way. What moves two thirds of the delay is called its cause; what "
-        "moves "
-        "less than a third is not.",
-        shown(1e3 * delay->s), moves(contacts, file))});
-  }
-  section.blocks.emplace_back(delays(contacts, all));
-  section.blocks.emplace_back(whole_motion(evaluator, run));
+  const std::optional<Move> delay = delay_of(contacts, file);
+  const Metrics metrics = evaluator.measure(run, file.duration_s);
+  Content content;
+  content.values = {{"restitution", file.wall->restitution},
+                    {"duration", file.duration_s},
+                    {"difference", shown(metrics.max_error_q.value_or(NAN))},
+                    {"face", file.wall->face_m},
+                    {"side", side_of_link(file)},
+                    {"touch", fmt::format("{:.5f}", touch_rad)},
+                    {"touch_after", shown(truth.touch_s - truth.vertical_s)},
+                    {"touch_steps", fmt::format("{:.1f}", (truth.touch_s - truth.vertical_s) / file.step_s)},
+                    {"delay", delay ? shown(1e3 * delay->s) : ""},
+                    {"moves", moves(contacts, file)}};
+  content.exhibits.emplace_back(delays(contacts, all));
+  content.exhibits.emplace_back(whole_motion(evaluator, run));
 
   Evaluator flush(first_swing(file, side_of_link(file), file.step_s));
   const Evaluation flush_run = flush.evaluate(*available(steppers[0]));
-  section.blocks.emplace_back(first_contact(evaluator, run, flush_run, flush));
-  section.blocks.emplace_back(bounces(evaluator, run));
-  return section;
+  content.exhibits.emplace_back(first_contact(evaluator, run, flush_run, flush));
+  content.exhibits.emplace_back(bounces(evaluator, run));
+  return content;
 }
 
 }  // namespace odeval::experiments

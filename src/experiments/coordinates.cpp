@@ -92,13 +92,7 @@ report::Figure erp_figure(Evaluator& evaluator, const Scenario& file, const Meth
                         colour_of("lagrange-symplectic-euler"), true),
                   curve(std::string(projected.name), {0, 1}, {projected_error, projected_error}, guide_colour, true)};
   gap.series = {std::move(gap_of_ode)};
-  return {"coordinates-erp",
-          "What the feedback does: error and gap over ERP",
-          fmt::format("Double pendulum at h = {} s. Level lines are methods in generalized coordinates, which need no "
-                      "feedback.",
-                      file.step_s),
-          {std::move(error), std::move(gap)},
-          2};
+  return {.name = "coordinates-erp", .panels = {std::move(error), std::move(gap)}, .columns = 2};
 }
 
 report::Figure order_figure(const std::vector<Ladder>& ladders) {
@@ -112,22 +106,13 @@ report::Figure order_figure(const std::vector<Ladder>& ladders) {
     error.series.push_back({one.label, steps, one.half_started, report::Mark::line_and_points, colour});
     if (one.gap.back() > 0) gap.series.push_back({one.label, steps, one.gap, report::Mark::line_and_points, colour});
   }
-  return {"coordinates-order",
-          "Gap and error over the step",
-          "Left, the gap without feedback falls as slowly as h, with it as h squared. Right, with the clock set half a "
-          "step back, only what is no shift of time is left of the error.",
-          {std::move(gap), std::move(error)},
-          2};
+  return {.name = "coordinates-order", .panels = {std::move(gap), std::move(error)}, .columns = 2};
 }
 
 report::Table order_table(const std::vector<Ladder>& ladders) {
-  report::Table table{"coordinates-order",
-                      "Observed order of error and gap until 1 s",
-                      {"scheme", "order of the error", "order with the half-step start", "order of the gap",
-                       "error at 1 ms, rad", "with the half-step start, rad"},
-                      {},
-                      fmt::format("Slope over h from {} to {} s, with its 95 % interval.", steps_s[0],
-                                  steps_s[std::size(steps_s) - 1])};
+  report::Table table{.name = "coordinates-order",
+                      .columns = {"scheme", "order of the error", "order with the half-step start", "order of the gap",
+                                  "error at 1 ms, rad", "with the half-step start, rad"}};
   for (const Ladder& one : ladders) {
     table.rows.push_back({one.label, order_cell(one.error), order_cell(one.half_started), order_cell(one.gap),
                           one.error[1], one.half_started[1]});
@@ -137,16 +122,12 @@ report::Table order_table(const std::vector<Ladder>& ladders) {
 
 }  // namespace
 
-Section coordinates(Laboratory& laboratory, Findings& findings) {
+Content coordinates(Laboratory& laboratory, Findings& findings) {
   Evaluator& evaluator = laboratory.evaluator("double_pendulum");
   const Scenario& file = evaluator.scenario();
-  report::Table table{
-      "coordinates",
-      "First-order methods in Cartesian and in generalized coordinates",
-      {"method", "error until 3 s, rad", "the reference's uncertainty, rad", "condition number, median over the run"},
-      {},
-      "The condition number (1-norm) is that of the matrix the method inverts in each step. The last rows are the "
-      "controls: ODE without feedback, and ODE's scheme in generalized coordinates."};
+  report::Table table{.name = "coordinates",
+                      .columns = {"method", "error until 3 s, rad", "the reference's uncertainty, rad",
+                                  "condition number, median over the run"}};
   double error[std::size(compared)];
   double doubt[std::size(compared)];
   double condition[std::size(compared)];
@@ -192,46 +173,22 @@ Section coordinates(Laboratory& laboratory, Findings& findings) {
   symplectic.settings = catalogue::Settings::ode;  // to be given the half-step start as well
   ladders.push_back(ladder(file, symplectic, file.ode, "symplectic Euler, generalized"));
 
-  Section section{"coordinates", "Cartesian or generalized coordinates?", {}};
-  section.blocks.emplace_back(
-      report::Text{"The report expected more states and a worse conditioned matrix to cost accuracy. All methods here "
-                   "are of first order and take the same steps."});
-  section.blocks.emplace_back(std::move(table));
-  section.blocks.emplace_back(report::Text{fmt::format(
-      "dWorldStep has a matrix {} times as badly conditioned and an error {} times smaller than symplectic Euler in "
-      "generalized coordinates. It is not the coordinates, it is the feedback. Without it (ERP 0) the same step in the "
-      "same coordinates is off by {} rad instead of {}; and the same scheme in generalized coordinates, where no joint "
-      "can open and there is nothing to feed back, is off by {} rad just so.",
-      shown(condition[0] / condition[2]), shown(error[2] / error[0]), shown(unfed_error), shown(error[0]),
-      shown(control_error))});
-  section.blocks.emplace_back(erp_figure(evaluator, file, projected, error[2], control_error));
-  section.blocks.emplace_back(report::Text{
-      "Why: a step takes the velocities of the old pose and removes from them what the hinges of the next pose do not "
-      "allow, then moves straight on along what is left, which opens each joint a little. A velocity that lies along "
-      "the old pose's tangent meets the new one's at the angle that the links have turned, and loses with each step "
-      "half the square of that angle: h squared a step, always a loss, of order h in all. Feedback closes the gap of "
-      "the step before, and what it adds to the velocity to do so turns it from the tangent into the chord from one "
-      "pose "
-      "to the next, whatever ERP is, once 1/ERP steps have passed. The chord meets the tangents of both its ends at "
-      "the "
-      "same angle, so that what is lost at one is won at the other. That is Störmer and Verlet's step with constraints "
-      "(SHAKE), of second order but for its clock, which is half a step off (claim O1). Symplectic Euler in "
-      "generalized "
-      "coordinates evaluates the Coriolis terms with rates half a step old, which is no shift of time either. The next "
-      "figure and table show it: with the half-step start ODE's error falls with h squared where there is feedback, "
-      "and "
-      "with h where there is none."});
-  section.blocks.emplace_back(order_figure(ladders));
-  report::Table orders = order_table(ladders);
-  orders.note += reference_known(evaluator, {1});
-  section.blocks.emplace_back(std::move(orders));
-  section.blocks.emplace_back(report::Figure{"coordinates-condition",
-                                             "Condition of what each method inverts",
-                                             "The larger, the more digits a solution may lose. What is lost here is "
-                                             "far below the error of a step.",
-                                             {std::move(panel)},
-                                             1});
-  return section;
+  Content content;
+  content.values = {{"step", file.step_s},
+                    {"largest_step", steps_s[0]},
+                    {"least_step", steps_s[std::size(steps_s) - 1]},
+                    {"worse_conditioned", shown(condition[0] / condition[2])},
+                    {"smaller_error", shown(error[2] / error[0])},
+                    {"unfed_error", shown(unfed_error)},
+                    {"error", shown(error[0])},
+                    {"known", reference_known(evaluator, {1})},
+                    {"generalized_error", shown(control_error)}};
+  content.exhibits.emplace_back(std::move(table));
+  content.exhibits.emplace_back(erp_figure(evaluator, file, projected, error[2], control_error));
+  content.exhibits.emplace_back(order_figure(ladders));
+  content.exhibits.emplace_back(order_table(ladders));
+  content.exhibits.emplace_back(report::Figure{.name = "coordinates-condition", .panels = {std::move(panel)}});
+  return content;
 }
 
 }  // namespace odeval::experiments

@@ -16,11 +16,11 @@ constexpr double judged_until_s = 5;
 
 }  // namespace
 
-Section denavit_hartenberg(Laboratory& laboratory, Findings& findings) {
+Content denavit_hartenberg(Laboratory& laboratory, Findings& findings) {
   const Trace& toolbox = laboratory.run("double_pendulum", "dh-ode45")->trace;
   const Trace& by_hand = laboratory.run("double_pendulum", "lagrange-ode45")->trace;
   report::Panel panel{.x_label = "t, s", .y_label = "difference of the angles, rad", .log_y = true};
-  report::Table table{"dh", "dh-ode45 against lagrange-ode45", {"until, s", "largest difference, rad"}, {}, ""};
+  report::Table table{.name = "dh", .columns = {"until, s", "largest difference, rad"}};
   Column difference(toolbox.rows());
   for (std::size_t k = 0; k < toolbox.rows(); ++k) {
     for (std::size_t i = 0; i < toolbox.q.size(); ++i) {
@@ -41,19 +41,10 @@ Section denavit_hartenberg(Laboratory& laboratory, Findings& findings) {
   }
   panel.series.push_back(curve("dh-ode45 - lagrange-ode45", toolbox.t, above_zero(difference)));
 
-  Section section{"dh", "A toolbox's equations and the hand-derived ones", {}};
-  section.blocks.emplace_back(
-      report::Text{"The report found a toolbox's recursive Newton-Euler identical to its hand-derived equations. Here "
-                   "Orocos KDL does "
-                   "the recursion, and both are integrated by the same ode45 with the same tolerances, so that only "
-                   "rounding, and what "
-                   "the motion makes of it, is left to differ. The verdict looks at the first seconds; after that the "
-                   "chaotic motion has "
-                   "made a visible difference out of rounding."});
-  section.blocks.emplace_back(report::Figure{
-      "dh-difference", "Two ways to the same equations", "Gaps are differences of exactly 0.", {std::move(panel)}, 1});
-  section.blocks.emplace_back(std::move(table));
-  return section;
+  Content content;
+  content.exhibits.emplace_back(report::Figure{.name = "dh-difference", .panels = {std::move(panel)}});
+  content.exhibits.emplace_back(std::move(table));
+  return content;
 }
 
 }  // namespace odeval::experiments

@@ -1,6 +1,4 @@
 // The motion of the double pendulum in three methods: the report's Figures 5.9, 5.11 and 5.12.
-#include <fmt/format.h>
-
 #include <cmath>
 
 #include "experiments/all.hpp"
@@ -86,7 +84,7 @@ Figure figure(const Wanted& which, catalogue::Evaluator& evaluator, const Evalua
   const Scenario& scenario = evaluator.scenario();
   const std::optional<Shade> shade = lost_shade(evaluator, run);
 
-  Figure figure{which.name, fmt::format("{} again: {}", which.of_2010, which.method), {}, {}, 2};
+  Figure figure{.name = which.name, .columns = 2};
   figure.panels.push_back(over_time("angle, rad", per_joint(trace, trace.q, "q"), shade));
   figure.panels.push_back(over_time("rate, rad/s", per_joint(trace, trace.qd, "rate of q"), shade));
 
@@ -115,43 +113,33 @@ Figure figure(const Wanted& which, catalogue::Evaluator& evaluator, const Evalua
     conditioning.series.push_back(curve("manipulability", trace.t, above_zero(trace.manipulability), 1));
   }
   if (!conditioning.series.empty()) figure.panels.push_back(std::move(conditioning));
-
-  const Metrics metrics = evaluator.measure(run, scenario.duration_s);
-  figure.caption = fmt::format("{}. Energy is off by up to {} J.",
-                               shade ? fmt::format("The motion can be trusted until {} s; what follows is shaded over "
-                                                   "time and dashed in the other plots",
-                                                   shown(shade->from))
-                                     : std::string("The angles are within 0.1 rad of the reference throughout"),
-                               shown(metrics.max_energy_drift));
   return figure;
+}
+
+/// What the template says of a figure.
+report::Values words_of(const Wanted& which, catalogue::Evaluator& evaluator, const Evaluation& run) {
+  const auto shade = lost_shade(evaluator, run);
+  const Metrics metrics = evaluator.measure(run, evaluator.scenario().duration_s);
+  return {{"name", which.name},
+          {"of_2010", which.of_2010},
+          {"method", which.method},
+          {"trusted_until", shade ? shown(shade->from) : ""},
+          {"drift", shown(metrics.max_energy_drift)}};
 }
 
 }  // namespace
 
-Section double_pendulum(Laboratory& laboratory, Findings&) {
+Content double_pendulum(Laboratory& laboratory, Findings&) {
   catalogue::Evaluator& evaluator = laboratory.evaluator("double_pendulum");
-  const Scenario& scenario = evaluator.scenario();
-  Section section{"double-pendulum", "The double pendulum, as the 2010 report plotted it", {}};
-  section.blocks.emplace_back(report::Text{fmt::format(
-      "The report moved two links of 1 m in ODE, with explicit Euler and with ode45, and plotted angles, rates, phase "
-      "planes, the way of the centres of mass and the energy. These are the same plots with the same start. Its "
-      "caption of Figure 5.9 gives a step of 0.0001 s, its program has 0.001 s; the runs here use h = {} s.",
-      scenario.step_s)});
-  section.blocks.emplace_back(report::Text{
-      "What the report could not draw is where to stop reading: the motion is chaotic, and once a method is off by "
-      "more "
-      "than 0.1 rad its curve is the motion of another pendulum, however smooth it looks. That part is shaded. The "
-      "last plot of each figure shows how well conditioned the matrix is that the method "
-      "inverts, and the manipulability of the report's program: far from 1 the pose is an awkward one."});
+  Content content;
+  std::vector<report::Values> figures;
   for (const Wanted& which : wanted) {
-    if (const Evaluation* const run = laboratory.run("double_pendulum", which.method)) {
-      section.blocks.emplace_back(figure(which, evaluator, *run));
-    } else {
-      section.blocks.emplace_back(
-          report::Text{fmt::format("{} is missing: {}.", which.of_2010, catalogue::why_missing)});
-    }
+    const Evaluation& run = *laboratory.run("double_pendulum", which.method);
+    figures.push_back(words_of(which, evaluator, run));
+    content.exhibits.emplace_back(figure(which, evaluator, run));
   }
-  return section;
+  content.values = {{"step", evaluator.scenario().step_s}, {"figures", figures}};
+  return content;
 }
 
 }  // namespace odeval::experiments

@@ -13,20 +13,16 @@ constexpr const char* compared[] = {"ode-step-double", "lagrange-ode45", "lagran
 
 }  // namespace
 
-Section energy(Laboratory& laboratory, Findings& findings) {
+Content energy(Laboratory& laboratory, Findings& findings) {
   catalogue::Evaluator& evaluator = laboratory.evaluator("double_pendulum");
   const double end = evaluator.scenario().duration_s;
 
-  report::Figure figure{"energy-drift", "Energy minus the energy at the start", {}, {}, 1};
+  report::Figure figure{.name = "energy-drift"};
   report::Panel signed_drift{.x_label = "t, s", .y_label = "energy drift, J"};
   report::Panel size{.x_label = "t, s", .y_label = "size of the drift, J", .log_y = true};
-  report::Table table{"energy",
-                      "Energy drift of the double pendulum",
-                      {"method", "largest until 3 s, J", fmt::format("largest until {} s, J", end), "rms, J",
-                       "at the end, J", "largest angle error until 3 s, rad"},
-                      {},
-                      "Drift is the energy minus the energy at t = 0, of a motion that loses and gains none." +
-                          reference_known(evaluator, {3})};
+  report::Table table{.name = "energy",
+                      .columns = {"method", "largest until 3 s, J", fmt::format("largest until {} s, J", end), "rms, J",
+                                  "at the end, J", "largest angle error until 3 s, rad"}};
   double largest[3] = {};
   std::vector<const Evaluation*> runs;
   for (std::size_t i = 0; i < std::size(compared); ++i) {
@@ -47,19 +43,16 @@ Section energy(Laboratory& laboratory, Findings& findings) {
                                                     largest[0], largest[2]));
   signed_drift.shade = size.shade = all_lost(evaluator, runs);
   figure.panels = {std::move(signed_drift), std::move(size)};
-  figure.caption =
-      "Read how far a curve gets from zero and whether it comes back, not how restless it looks. The second plot shows "
-      "the same on a logarithmic axis.";
 
-  Section section{"energy", "Energy: ODE, ode45 and Euler", {}};
-  section.blocks.emplace_back(
-      report::Text{fmt::format("The report saw ODE's energy fluctuate much more than ode45's and Euler's. Measured "
-                               "over {} s from the same start, "
-                               "ODE's energy is off by at most {} J, that of ode45 by {} J and that of Euler by {} J.",
-                               end, shown(largest[0]), shown(largest[1]), shown(largest[2]))});
-  section.blocks.emplace_back(std::move(figure));
-  section.blocks.emplace_back(std::move(table));
-  return section;
+  Content content;
+  content.values = {{"known", reference_known(evaluator, {3})},
+                    {"until", end},
+                    {"ode", shown(largest[0])},
+                    {"ode45", shown(largest[1])},
+                    {"euler", shown(largest[2])}};
+  content.exhibits.emplace_back(std::move(figure));
+  content.exhibits.emplace_back(std::move(table));
+  return content;
 }
 
 }  // namespace odeval::experiments

@@ -60,7 +60,7 @@ const Run& find(const std::vector<Run>& runs, double step_s, double erp, double 
 
 /// One panel a step, one curve a CFM, over ERP.
 Figure figure(const std::vector<Run>& runs, const std::vector<double>& cfms) {
-  Figure figure{"energy-feedback-figure", "Energy drift and angle error over ERP", {}, {}, 3};
+  Figure figure{.name = "energy-feedback-figure", .columns = 3};
   struct Row {
     const char* label;
     double Run::*value;
@@ -80,22 +80,12 @@ Figure figure(const std::vector<Run>& runs, const std::vector<double>& cfms) {
       figure.panels.push_back(std::move(panel));
     }
   }
-  figure.caption =
-      "A column for each step size. Were feedback the reason for the drift, the curves of the first two rows would "
-      "rise "
-      "from left (no feedback) to right. The third row shows what ERP does to the motion itself.";
   return figure;
 }
 
 /// A row a step and ERP; the drift for every CFM, the rest for the file's.
 report::Table table(const std::vector<Run>& runs, const std::vector<double>& cfms, const Scenario& file) {
-  report::Table table{"energy-feedback",
-                      "Energy drift with and without feedback, at three step sizes",
-                      {"h, s", "ERP"},
-                      {},
-                      fmt::format("Double pendulum, dWorldStep. Drift is the largest in {} s. ERP 0 is a joint without "
-                                  "feedback; the file has ERP {} and CFM {}.",
-                                  file.duration_s, file.ode.erp, file.ode.cfm)};
+  report::Table table{.name = "energy-feedback", .columns = {"h, s", "ERP"}};
   for (const double cfm : cfms) table.columns.push_back(fmt::format("drift with CFM {}, J", cfm));
   const std::string usual = fmt::format(" with CFM {}", file.ode.cfm);
   table.columns.push_back(fmt::format("drift until {} s{}, J", early_s, usual));
@@ -115,23 +105,21 @@ report::Table table(const std::vector<Run>& runs, const std::vector<double>& cfm
 
 }  // namespace
 
-Section energy_feedback(Laboratory& laboratory, Findings& findings) {
+Content energy_feedback(Laboratory& laboratory, Findings& findings) {
   const Scenario& file = laboratory.scenario("double_pendulum");
   std::vector<double> cfms{0, 1e-10, 1e-5, 1e-3};
   if (std::ranges::find(cfms, file.ode.cfm) == cfms.end()) cfms.push_back(file.ode.cfm);
   const std::vector<Run> runs = measure_all(file, cfms);
 
   std::vector<double> ratios;
-  std::string listed;
-  std::string angles;
+  std::vector<report::Values> drifts;
+  std::vector<report::Values> errors;
   for (const double step_s : steps_s) {
     const Run& without = find(runs, step_s, 0, 0);
     const Run& with = find(runs, step_s, 0.2, file.ode.cfm);
     ratios.push_back(without.drift / with.drift);
-    listed += fmt::format("{}{} J without and {} J with it at h = {} s", listed.empty() ? "" : ", ",
-                          shown(without.drift), shown(with.drift), step_s);
-    angles +=
-        fmt::format("{}{} and {} rad", angles.empty() ? "" : ", ", shown(without.error_early), shown(with.error_early));
+    drifts.push_back({{"without", shown(without.drift)}, {"with", shown(with.drift)}, {"step", step_s}});
+    errors.push_back({{"without", shown(without.error_early)}, {"with", shown(with.error_early)}});
   }
   const std::string meaning = fmt::format(
       "largest energy drift in {} s without feedback (ERP 0, CFM 0) over that with "
@@ -142,25 +130,17 @@ Section energy_feedback(Laboratory& laboratory, Findings& findings) {
   findings.add("C8b.largest_ratio",
                measured(meaning + "the largest of three step sizes", "", *std::ranges::max_element(ratios)));
 
-  Section section{"energy-feedback", "Is the feedback of joint errors to blame?", {}};
-  section.blocks.emplace_back(report::Text{fmt::format(
-      "The report explained ODE's restless energy by the feedback of joint errors, which works like forces from "
-      "outside, "
-      "and did not try it without. Here it is tried: ERP from 0 to 0.9, four values of CFM, three step sizes. If "
-      "feedback were the reason, the drift would be gone at ERP 0. The largest drift in {} s is {}.",
-      file.duration_s, listed)});
-  section.blocks.emplace_back(report::Text{fmt::format(
-      "ERP rules the motion as well: until {} s the angles are off, without and with feedback, by {} for the same "
-      "three "
-      "steps. Without feedback nothing takes back what a step does to a joint, and it comes apart: see the gap in the "
-      "table's "
-      "last column.",
-      early_s, angles)});
-  section.blocks.emplace_back(figure(runs, cfms));
-  report::Table drifts = table(runs, cfms, file);
-  drifts.note += reference_known(laboratory.evaluator("double_pendulum"), {early_s});
-  section.blocks.emplace_back(std::move(drifts));
-  return section;
+  Content content;
+  content.values = {{"duration", file.duration_s},
+                    {"erp", file.ode.erp},
+                    {"cfm", file.ode.cfm},
+                    {"drifts", drifts},
+                    {"early", early_s},
+                    {"errors", errors},
+                    {"known", reference_known(laboratory.evaluator("double_pendulum"), {early_s})}};
+  content.exhibits.emplace_back(figure(runs, cfms));
+  content.exhibits.emplace_back(table(runs, cfms, file));
+  return content;
 }
 
 }  // namespace odeval::experiments

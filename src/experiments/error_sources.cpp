@@ -107,13 +107,8 @@ std::vector<Part> parts_of(Evaluator& evaluator) {
 
 }  // namespace
 
-Section error_sources(Laboratory& laboratory, Findings& findings) {
-  Section section{"error-sources", "Where the error comes from", {}};
-  report::Table table{"error-sources",
-                      fmt::format("Parts of the error until {} s", until_s),
-                      {"part", "measured as", "unit", "double pendulum", "chain"},
-                      {},
-                      ""};
+Content error_sources(Laboratory& laboratory, Findings& findings) {
+  report::Table table{.name = "error-sources", .columns = {"part", "measured as", "unit", "double pendulum", "chain"}};
   std::array<std::vector<Part>, 2> columns;
   std::array<double, 2> doubt{};
   const char* scenarios[] = {"double_pendulum", "chain"};
@@ -135,25 +130,22 @@ Section error_sources(Laboratory& laboratory, Findings& findings) {
   }
   table.rows.push_back({std::string("what the reference may itself be off by"), std::string("its stated bound"),
                         std::string("rad"), doubt[0], doubt[1]});
-  table.note = fmt::format("The chain has {} links. Both at h = {} s, ERP {}, CFM {}.",
-                           laboratory.scenario("chain").links.size(), laboratory.scenario("chain").step_s,
-                           laboratory.scenario("chain").ode.erp, laboratory.scenario("chain").ode.cfm);
   const auto without_joints = [&](std::size_t s) { return shown(*columns[s][2].value / *columns[s][0].value); };
-  section.blocks.emplace_back(report::Text{fmt::format(
-      "The report names integration, extra degrees of freedom, precision and ERP and CFM as sources of error. Each is "
-      "measured here by changing it alone and looking how far the angles move. Parts do not add up to the whole: they "
-      "have signs, and some undo others. The report expected extra degrees of freedom to cost accuracy; the error of "
-      "symplectic Euler in generalized coordinates, of the same order and without any, is {} times ODE's on the double "
-      "pendulum and {} "
-      "times on the chain.",
-      without_joints(0), without_joints(1))});
   for (std::size_t s = 0; s < 2; ++s) {
     findings.add(fmt::format("sources.discretisation_share_{}", scenarios[s]),
                  measured_ratio(fmt::format("first-order part of dWorldStep's error over all of it, {}", scenarios[s]),
                                 columns[s][1].value.value(), columns[s][0].value.value(), doubt[s], doubt[s]));
   }
-  section.blocks.emplace_back(std::move(table));
-  return section;
+  Content content;
+  content.values = {{"until", until_s},
+                    {"links", laboratory.scenario("chain").links.size()},
+                    {"step", laboratory.scenario("chain").step_s},
+                    {"erp", laboratory.scenario("chain").ode.erp},
+                    {"cfm", laboratory.scenario("chain").ode.cfm},
+                    {"double_pendulum", without_joints(0)},
+                    {"chain", without_joints(1)}};
+  content.exhibits.emplace_back(std::move(table));
+  return content;
 }
 
 }  // namespace odeval::experiments

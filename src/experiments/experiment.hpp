@@ -1,5 +1,5 @@
 #pragma once
-// Experiments: each measures one question, and leaves a section for the page and findings for the claims.
+// Experiments: each measures one question, and leaves numbers for its section of the page and findings for the claims.
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -12,6 +12,7 @@
 #include "odeval/scenario.hpp"
 #include "report/document.hpp"
 #include "report/findings.hpp"
+#include "report/prose.hpp"
 
 namespace odeval::experiments {
 
@@ -40,12 +41,15 @@ class Laboratory {
 };
 
 struct Experiment {
-  std::string_view name;  // of the section: "contact-delay"
-  std::string_view title;
+  std::string_view name;   // of the section: "contact-delay"
+  std::string_view prose;  // the section's template, text/NAME.mustache
   /// Measures. What cannot be measured (a method the build lacks) becomes a Missing cell and a Finding without a value,
   /// never an exception.
-  report::Section (*run)(Laboratory& laboratory, report::Findings& findings);
+  report::Content (*run)(Laboratory& laboratory, report::Findings& findings);
 };
+
+/// Runs an experiment and puts what it measures into its template.
+report::Section section_of(const Experiment& experiment, Laboratory& laboratory, report::Findings& findings);
 
 /// The one table, in the order of the page.
 std::span<const Experiment> experiments();

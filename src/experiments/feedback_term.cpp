@@ -39,26 +39,17 @@ double gap_until(Evaluator& evaluator, const Evaluation& run, double until_s) {
 
 }  // namespace
 
-Section feedback_term(Laboratory& laboratory, Findings& findings) {
+Content feedback_term(Laboratory& laboratory, Findings& findings) {
   Evaluator& evaluator = laboratory.evaluator("double_pendulum");
   const Scenario& file = evaluator.scenario();
   Scenario no_feedback = file;
   no_feedback.maximal = {0, 0};
   Evaluator unfed(no_feedback, evaluator.reference());
 
-  report::Table table{"feedback-term",
-                      "The widest gap of a joint without feedback and with it",
-                      {"method", "until, s", "chosen since", "gap without, m", "gap with, m", "ratio",
-                       "angle error without, rad", "angle error with, rad"},
-                      {},
-                      fmt::format("Feedback: ks = {} 1/s², kd = {} 1/s. Lost is an angle error above {} rad.",
-                                  file.maximal.ks, file.maximal.kd, divergence_rad) +
-                          reference_known(evaluator, {early_s, file.duration_s})};
-  report::Figure figure{"feedback-gap",
-                        "Gaps of the joints",
-                        "The wider of the two joints; explicit Euler left, Runge-Kutta right.",
-                        {},
-                        2};
+  report::Table table{.name = "feedback-term",
+                      .columns = {"method", "until, s", "chosen since", "gap without, m", "gap with, m", "ratio",
+                                  "angle error without, rad", "angle error with, rad"}};
+  report::Figure figure{.name = "feedback-gap", .columns = 2};
   double least = std::numeric_limits<double>::infinity();
   for (const char* name : methods) {
     const Pair pair = pair_of(evaluator, unfed, name);
@@ -96,21 +87,14 @@ Section feedback_term(Laboratory& laboratory, Findings& findings) {
                measured("widest gap without feedback over that with it, while both follow the motion; the smaller of "
                         "both methods",
                         "", least));
-  Section section{"feedback-term", "What the feedback term keeps together", {}};
-  section.blocks.emplace_back(
-      report::Text{"The report's equation 5.38 adds feedback of joint errors to the multipliers. Both methods run with "
-                   "the file's ks "
-                   "and kd, and without."});
-  section.blocks.emplace_back(report::Text{
-      "How much it holds depends on when one looks. A gap grows with the speed of the links, so two runs are "
-      "comparable "
-      "only as long as they are the same motion: each method is judged until the first of its two runs is lost, and "
-      "the "
-      "claim by the method that gains less. Later rows show what a longer look would have said of Euler: it has gained "
-      "energy by then, and its gaps are those of links that whirl."});
-  section.blocks.emplace_back(std::move(figure));
-  section.blocks.emplace_back(std::move(table));
-  return section;
+  Content content;
+  content.values = {{"ks", file.maximal.ks},
+                    {"kd", file.maximal.kd},
+                    {"lost", divergence_rad},
+                    {"known", reference_known(evaluator, {early_s, file.duration_s})}};
+  content.exhibits.emplace_back(std::move(figure));
+  content.exhibits.emplace_back(std::move(table));
+  return content;
 }
 
 }  // namespace odeval::experiments

@@ -57,17 +57,12 @@ Scales scales_of(const Body& body) {
 
 }  // namespace
 
-Section free_box(Laboratory& laboratory, Findings& findings) {
+Content free_box(Laboratory& laboratory, Findings& findings) {
   const Scenario& file = laboratory.scenario("free_box");
-  report::Table table{
-      "free-box",
-      "The boxes benchmark, 10 s",
-      {"case", "method", "step, s", "distance, m", "g h T / 2, m", "± m",
-       fmt::format("turned until {} s, rad", early_s), "± rad", "turned until 10 s, rad", "± rad",
-       "angular momentum error", "energy error"},
-      {},
-      "Largest errors against the closed form, with how far that may itself be off. Those of angular "
-      "momentum and energy are relative to |L| and the kinetic energy at the start, as in the benchmark."};
+  report::Table table{.name = "free-box",
+                      .columns = {"case", "method", "step, s", "distance, m", "g h T / 2, m", "± m",
+                                  fmt::format("turned until {} s, rad", early_s), "± rad", "turned until 10 s, rad",
+                                  "± rad", "angular momentum error", "energy error"}};
   report::Panel over_steps{.x_label = "h, s", .y_label = "error, rad or m", .log_x = true, .log_y = true};
   report::Panel over_time{.x_label = "t, s", .y_label = "angle, rad", .log_y = true};
   report::Series turned{fmt::format("angle until {} s, rad", early_s), {}, {}, report::Mark::line_and_points};
@@ -128,28 +123,15 @@ Section free_box(Laboratory& laboratory, Findings& findings) {
   findings.add("free_box.off_the_law", measured("distance of dWorldStep's error from g h T / 2, largest of three steps",
                                                 "m", off_the_law, doubt));
 
-  Section section{"free-box", "A free box: Gazebo's boxes benchmark", {}};
-  section.blocks.emplace_back(report::Text{fmt::format(
-      "A box of 10 kg, 0.1 x 0.4 x 0.9 m, that nothing touches. In the simple case it drifts without gravity and spins "
-      "about a principal axis; in the other it falls and tumbles, since it spins near its middle axis. Semi-implicit "
-      "Euler falls too far by g h T / 2: measured, to {} m. The simple case turns by 2 atan(w h / 2) a step, which is "
-      "of second "
-      "order. Tumbling is of first order, and is lost after some 2 s at each of these steps: the body flips at "
-      "another time. Single precision adds what rounding of each position and speed comes to: a few centimetres after "
-      "some 400 m, more with a smaller step.",
-      shown(off_the_law))});
-  say_left_out(section, measured_methods);
-  report::Figure figure{
-      "free-box-errors",
-      "Errors of a free box",
-      fmt::format("Left: dWorldStep over the step, tumbling. Right: the angle to the true attitude at h = {} s.",
-                  file.step_s),
-      {},
-      2};
+  report::Figure figure{.name = "free-box-errors", .columns = 2};
   figure.panels = {std::move(over_steps), std::move(over_time)};
-  section.blocks.emplace_back(std::move(figure));
-  section.blocks.emplace_back(std::move(table));
-  return section;
+  Content content;
+  content.values = {{"step", file.step_s},
+                    {"off_the_law", shown(off_the_law)},
+                    {"left_out", left_out({std::begin(measured_methods), std::end(measured_methods)})}};
+  content.exhibits.emplace_back(std::move(figure));
+  content.exhibits.emplace_back(std::move(table));
+  return content;
 }
 
 }  // namespace odeval::experiments

@@ -1,6 +1,4 @@
 // Friction as a pyramid and as a constant force, beside Coulomb's law: claim C14.
-#include <fmt/format.h>
-
 #include <cmath>
 #include <numbers>
 
@@ -88,13 +86,8 @@ double slips(const Scenario& level, std::string_view method, double part) {
 
 report::Table threshold(const Scenario& scenario) {
   report::Table table{
-      "friction-threshold",
-      "Held or sliding: a box at rest on a slope",
-      {"method", "way at 99 % of the angle of friction, m", "at 101 %, m", "Coulomb's at 101 %, m"},
-      {},
-      fmt::format("Way after {} s from rest, coefficient {}. What is held gives way by the settling of the first steps "
-                  "alone.",
-                  scenario.duration_s, scenario.ground->friction)};
+      .name = "friction-threshold",
+      .columns = {"method", "way at 99 % of the angle of friction, m", "at 101 %, m", "Coulomb's at 101 %, m"}};
   const double slope = std::atan(1.01 * scenario.ground->friction);
   const double net = scenario.gravity * (std::sin(slope) - scenario.ground->friction * std::cos(slope));
   for (const char* method : {"ode-step-double", "ode-step-single", "ode-quickstep-double", "ode-quickstep-single"}) {
@@ -110,15 +103,12 @@ report::Table threshold(const Scenario& scenario) {
 
 }  // namespace
 
-Section friction(Laboratory& laboratory, Findings& findings) {
+Content friction(Laboratory& laboratory, Findings& findings) {
   const Scenario& scenario = laboratory.scenario("friction_slide");
-  report::Table table{"friction",
-                      "How far a box slides, and where to",
-                      {"friction", "direction, degrees", "way, m", "Coulomb's way, m", "way over Coulomb's",
-                       "stops at, s", "Coulomb's stop, s", "turned aside, degrees",
-                       "largest distance from Coulomb's motion, m", "reference off by, m"},
-                      {},
-                      "The direction is counted from one of the two axes that ODE lets friction act along."};
+  report::Table table{.name = "friction",
+                      .columns = {"friction", "direction, degrees", "way, m", "Coulomb's way, m", "way over Coulomb's",
+                                  "stops at, s", "Coulomb's stop, s", "turned aside, degrees",
+                                  "largest distance from Coulomb's motion, m", "reference off by, m"}};
   Panel ways{.x_label = "direction of the slide, degrees", .y_label = "way over Coulomb's"};
   Panel turns{.x_label = "direction of the slide, degrees", .y_label = "turned aside, degrees"};
   double straight = NAN;
@@ -153,28 +143,18 @@ Section friction(Laboratory& laboratory, Findings& findings) {
                measured("friction of the pyramid at 45 degrees to its axes over that along one, less 1", "",
                         straight / diagonal - 1, straight / diagonal * (doubt / straight + doubt / diagonal)));
 
-  report::Figure figure{"friction-figure", "Friction over the direction of the slide", {}, {}, 2};
+  report::Figure figure{.name = "friction-figure", .columns = 2};
   figure.panels = {std::move(ways), std::move(turns)};
-  figure.caption =
-      "Coulomb's law knows no direction: 1 on the left, 0 on the right. At 45 degrees both forces of the pyramid are "
-      "at "
-      "their limit and add up to the square root of two; in between, one of them stops its part of the motion first "
-      "and "
-      "the box turns aside.";
-  Section section{"friction", "Friction: pyramid, constant force and Coulomb", {}};
-  section.blocks.emplace_back(report::Text{fmt::format(
-      "A box of {} kg sets out at {} m/s over level ground, coefficient {}, h = {} s. ODE lets friction act along two "
-      "axes at a contact, each up to its own limit: a constant, or the coefficient times the normal force "
-      "(dContactApprox1). The axes are ODE's own unless the program gives one (dContactFDir1). Giving the way the "
-      "contact slides, --set ode.friction_axes=sliding here, costs a few operations a contact and makes the pyramid "
-      "Coulomb's law for a box that slides without turning. Normal forces are those that dWorldStep finds without "
-      "friction; on a flat base their sum is the weight whatever friction does, so nothing is lost by that here.",
-      scenario.bodies[0].mass_kg, std::sqrt(dot(scenario.bodies[0].velocity_m_s, scenario.bodies[0].velocity_m_s)),
-      scenario.ground->friction, scenario.step_s)});
-  section.blocks.emplace_back(std::move(figure));
-  section.blocks.emplace_back(std::move(table));
-  section.blocks.emplace_back(threshold(scenario));
-  return section;
+  Content content;
+  content.values = {{"held_for", scenario.duration_s},
+                    {"friction", scenario.ground->friction},
+                    {"mass", scenario.bodies[0].mass_kg},
+                    {"speed", std::sqrt(dot(scenario.bodies[0].velocity_m_s, scenario.bodies[0].velocity_m_s))},
+                    {"step", scenario.step_s}};
+  content.exhibits.emplace_back(std::move(figure));
+  content.exhibits.emplace_back(std::move(table));
+  content.exhibits.emplace_back(threshold(scenario));
+  return content;
 }
 
 }  // namespace odeval::experiments

@@ -127,16 +127,9 @@ void add_findings(Findings& findings, const Case& which, const std::vector<Run>&
 
 /// The best shift of every method's trace, at the settings of the files.
 report::Table every_trace(Laboratory& laboratory) {
-  report::Table table{
-      "half-step-every",
-      "The best shift of every trace",
-      {"scenario", "method", "best shift, steps", "± (shift)", "error as it is, rad", "error after the shift, rad",
-       "uncertainty of the reference, rad"},
-      {},
-      fmt::format("Until {} s, at the settings of the files. Only methods that step as ODE does are half "
-                  "a step ahead; Euler's errors are no shift, and where an error is as small as what the "
-                  "reference may be off by, the shift is noise.",
-                  until_s)};
+  report::Table table{.name = "half-step-every",
+                      .columns = {"scenario", "method", "best shift, steps", "± (shift)", "error as it is, rad",
+                                  "error after the shift, rad", "uncertainty of the reference, rad"}};
   for (const char* name : {"double_pendulum", "single_pendulum", "chain"}) {
     Evaluator& evaluator = laboratory.evaluator(name);
     for (const std::string& of : evaluator.scenario().methods) {
@@ -213,13 +206,10 @@ void add_impacts(report::Table& table, const Scenario& file, const char* unit) {
 }
 
 report::Table after_impact(Laboratory& laboratory) {
-  report::Table table{"half-step-impact",
-                      "The half-step start and impacts",
-                      {"scenario", "span", "unit", "largest error as given, median", "with the half-step start, median",
-                       "uncertainty of the reference", "gain, median", "least gain", "greatest gain"},
-                      {},
-                      "dWorldStep at eleven steps from 0.8 to 1.2 times the file's, since the error of an impact "
-                      "depends on where in a step it falls. A gain below 1 is a loss."};
+  report::Table table{
+      .name = "half-step-impact",
+      .columns = {"scenario", "span", "unit", "largest error as given, median", "with the half-step start, median",
+                  "uncertainty of the reference", "gain, median", "least gain", "greatest gain"}};
   add_impacts(table, laboratory.scenario("wall_pendulum"), "rad");
   add_impacts(table, laboratory.scenario("bouncing_ball"), "m");
   return table;
@@ -227,7 +217,7 @@ report::Table after_impact(Laboratory& laboratory) {
 
 }  // namespace
 
-Section half_step(Laboratory& laboratory, Findings& findings) {
+Content half_step(Laboratory& laboratory, Findings& findings) {
   const std::vector<Case> cases{
       {"double_pendulum", {}, "double pendulum from rest", ""},
       {"single_pendulum", {}, "single pendulum from rest", nullptr},
@@ -235,24 +225,15 @@ Section half_step(Laboratory& laboratory, Findings& findings) {
       {"single_pendulum", {2}, "single pendulum from 2 rad/s", nullptr},
       {"chain", {}, "chain of 8 links from rest", "_chain"},
   };
-  report::Table errors{
-      "half-step",
-      "ODE's error as a shift of time",
-      {"motion", "h, s", "error as given, rad", "best shift, steps", "error after the shift, rad",
-       "error with the half-step start, rad", "gain of the half-step start", "uncertainty of the reference, rad"},
-      {},
-      fmt::format("Until {} s. A shift of +0.5 means that ODE's angles at t are the reference's at "
-                  "t + h/2: ODE is ahead.",
-                  until_s)};
-  report::Table orders{
-      "half-step-order",
-      "Observed order in the step size",
-      {"motion", "as given", "± (as given)", "after the best shift", "± (after the shift)", "half-step start",
-       "± (half-step start)"},
-      {},
-      fmt::format("Slope of the error until {} s over the step sizes above, with its 95 % interval.", until_s)};
-  Figure figure{"half-step-figure", "Angle error over the step size", {}, {}, 2};
-  std::string found;
+  report::Table errors{.name = "half-step",
+                       .columns = {"motion", "h, s", "error as given, rad", "best shift, steps",
+                                   "error after the shift, rad", "error with the half-step start, rad",
+                                   "gain of the half-step start", "uncertainty of the reference, rad"}};
+  report::Table orders{.name = "half-step-order",
+                       .columns = {"motion", "as given", "± (as given)", "after the best shift", "± (after the shift)",
+                                   "half-step start", "± (half-step start)"}};
+  Figure figure{.name = "half-step-figure", .columns = 2};
+  std::vector<report::Values> gains;
   for (const Case& which : cases) {
     std::vector<Run> runs;
     for (const double step_s : steps_s) {
@@ -263,46 +244,17 @@ Section half_step(Laboratory& laboratory, Findings& findings) {
     figure.panels.push_back(convergence(which, runs));
     if (which.findings != nullptr) add_findings(findings, which, runs);
     const Run& fine = *std::ranges::find(runs, fine_step_s, &Run::step_s);
-    found += fmt::format("{}{}: {} times smaller", found.empty() ? "" : "; ", which.label,
-                         shown(fine.error / fine.half_started));
+    gains.push_back({{"motion", which.label}, {"times", shown(fine.error / fine.half_started)}});
   }
-  figure.caption =
-      "First order falls by one decade a decade, second order by two. Where the lower curves fall as slowly as the "
-      "upper one, a first-order part is left that is no shift of time.";
 
-  Section section{"half-step", "Half a step: what ODE's first-order error is", {}};
-  section.blocks.emplace_back(report::Text{
-      "ODE computes new velocities from the forces at t and moves the bodies with them. So a stored velocity belongs "
-      "to "
-      "the middle of the step before, t - h/2, though ODE is started with that of t = 0. From rest, a first velocity "
-      "half a step too fresh makes all that follows come half a step early: ODE's angles at t are those of t + h/2."});
-  section.blocks.emplace_back(report::Text{fmt::format(
-      "To measure it, the reference is shifted in time until it fits ODE best. The half-step start (--start half-step) "
-      "takes from the rates that ODE is started with what the weights add in half a step, which costs one evaluation "
-      "of "
-      "the accelerations before the run. At h = {} s it makes the error until {} s: {}.",
-      fine_step_s, until_s, found)});
-  section.blocks.emplace_back(report::Text{
-      "Only the weights: it is not the joint rates of t = -h/2 that ODE has to be given. Those differ from the rates "
-      "of "
-      "t = 0 by the Coriolis terms too, but these are there because the links turn, and ODE turns them itself when it "
-      "takes old velocities through the hinges of a new pose. Two links that start at speed tell the difference: with "
-      "the joint rates of t = -h/2 they keep an error of first order, with the weights "
-      "alone "
-      "they do not. A start at speed as given is off by more than a shift of time, for the same reason. On a chain of "
-      "eight links the start gains less: there the error of second order that the feedback of the joints makes is as "
-      "large as the shift, and ERP 1 is the greater gain (next section)."});
-  section.blocks.emplace_back(std::move(figure));
-  section.blocks.emplace_back(std::move(errors));
-  section.blocks.emplace_back(std::move(orders));
-  section.blocks.emplace_back(every_trace(laboratory));
-  section.blocks.emplace_back(report::Text{
-      "After an impact it does not help; on average it harms. ODE sees a contact at the first step that "
-      "overlaps, half a step late on average, and a motion that runs half a step ahead makes up for that by "
-      "chance. Started half a step earlier, it is right until the impact and late from then on. Where "
-      "impacts count, smaller steps or the fourth-order step help."});
-  section.blocks.emplace_back(after_impact(laboratory));
-  return section;
+  Content content;
+  content.values = {{"until", until_s}, {"step", fine_step_s}, {"gains", gains}};
+  content.exhibits.emplace_back(std::move(figure));
+  content.exhibits.emplace_back(std::move(errors));
+  content.exhibits.emplace_back(std::move(orders));
+  content.exhibits.emplace_back(every_trace(laboratory));
+  content.exhibits.emplace_back(after_impact(laboratory));
+  return content;
 }
 
 }  // namespace odeval::experiments

@@ -27,15 +27,11 @@ double largest_until(const Column& t, const Column& drift, double time_s) {
 
 }  // namespace
 
-Section half_step_energy(Laboratory& laboratory, Findings& findings) {
-  report::Figure figure{"half-step-energy-figure", "Energy drift of one and the same motion, read twice", {}, {}, 1};
-  report::Table table{"half-step-energy",
-                      "Energy drift from stored and from centred velocities",
-                      {"scenario", "until, s", "from stored velocities, J", "from centred velocities, J", "ratio",
-                       "angle error, rad", "uncertainty of the reference, rad"},
-                      {},
-                      "The runs are those of the scenario files. Both columns are of the same motion, so the error of "
-                      "the angles is one."};
+Content half_step_energy(Laboratory& laboratory, Findings& findings) {
+  report::Figure figure{.name = "half-step-energy-figure"};
+  report::Table table{.name = "half-step-energy",
+                      .columns = {"scenario", "until, s", "from stored velocities, J", "from centred velocities, J",
+                                  "ratio", "angle error, rad", "uncertainty of the reference, rad"}};
   for (const char* name : {"double_pendulum", "single_pendulum", "chain"}) {
     Evaluator& evaluator = laboratory.evaluator(name);
     const Evaluation& run = *laboratory.run(name, method);
@@ -65,16 +61,11 @@ Section half_step_energy(Laboratory& laboratory, Findings& findings) {
     panel.shade = lost_shade(evaluator, run);
     figure.panels.push_back(std::move(panel));
   }
-  figure.caption = "The motion behind both curves of a plot is the same to the last bit.";
 
-  Section section{"half-step-energy", "Energy alone does not tell", {}};
-  section.blocks.emplace_back(report::Text{
-      "A kinetic energy mixes the velocity with the place, and ODE's stored velocity belongs to half a step before its "
-      "place. The mean of two neighbouring velocities belongs to the time of the place. Reading the energy that way "
-      "changes nothing in the motion; what it takes away from the drift was never an error of the motion."});
-  section.blocks.emplace_back(std::move(figure));
-  section.blocks.emplace_back(std::move(table));
-  return section;
+  Content content;
+  content.exhibits.emplace_back(std::move(figure));
+  content.exhibits.emplace_back(std::move(table));
+  return content;
 }
 
 }  // namespace odeval::experiments

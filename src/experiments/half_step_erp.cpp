@@ -79,16 +79,13 @@ Panel panel(const std::vector<Point>& points, const Case& which) {
 
 }  // namespace
 
-Section half_step_erp(Laboratory& laboratory, Findings& findings) {
+Content half_step_erp(Laboratory& laboratory, Findings& findings) {
   std::vector<Point> points;
-  report::Figure figure{"half-step-erp-figure", "Angle error over ERP, with the half-step start", {}, {}, 2};
-  report::Table table{"half-step-erp",
-                      "ERP with the half-step start",
-                      {"scenario", "h, s", "ERP", "error until 1 s, rad", "error until 1 s as given, rad",
-                       "uncertainty of the reference at 1 s, rad", "error until 3 s, rad",
-                       "error until 3 s as given, rad", "uncertainty of the reference at 3 s, rad"},
-                      {},
-                      "dWorldStep, CFM of the file. 'As given' is without the half-step start."};
+  report::Figure figure{.name = "half-step-erp-figure", .columns = 2};
+  report::Table table{.name = "half-step-erp",
+                      .columns = {"scenario", "h, s", "ERP", "error until 1 s, rad", "error until 1 s as given, rad",
+                                  "uncertainty of the reference at 1 s, rad", "error until 3 s, rad",
+                                  "error until 3 s as given, rad", "uncertainty of the reference at 3 s, rad"}};
   for (const Case& which : cases) {
     Scenario scenario = laboratory.scenario(which.scenario);
     scenario.step_s = which.step_s;
@@ -125,19 +122,11 @@ Section half_step_erp(Laboratory& laboratory, Findings& findings) {
   gain("O2.gain", {"double_pendulum", fine_step_s}, 1);
   gain("O2.gain_chain", {"chain", coarse_step_s}, 0);
   gain("O2.gain_chain_fine", {"chain", fine_step_s}, 0);
-  figure.caption =
-      "The dashed curves are ODE as it is usually started: there the first-order error hides what ERP does, and one "
-      "value from 0.2 on looks much like another, least so on the chain.";
 
-  Section section{"half-step-erp", "The best ERP", {}};
-  section.blocks.emplace_back(report::Text{
-      "ERP is the part of a joint's error that a step takes back; 0.2 is ODE's default. With the half-step start the "
-      "error that is left is of second order, and what the joints do shows. The double and the single pendulum and a "
-      "chain are run for 3 s with ERP from 0 to 1; look for the lowest point, and for how flat the curve is around it. "
-      "On the chain ERP counts for more than the start, and 1 is best."});
-  section.blocks.emplace_back(std::move(figure));
-  section.blocks.emplace_back(std::move(table));
-  return section;
+  Content content;
+  content.exhibits.emplace_back(std::move(figure));
+  content.exhibits.emplace_back(std::move(table));
+  return content;
 }
 
 }  // namespace odeval::experiments

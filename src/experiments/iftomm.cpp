@@ -103,23 +103,11 @@ void add_cells(std::vector<Cell>& row, const Accuracy& accuracy, const Method& m
 
 }  // namespace
 
-Section iftomm(Laboratory& laboratory, Findings& findings) {
+Content iftomm(Laboratory& laboratory, Findings& findings) {
   const Scenario& scenario = laboratory.scenario("iftomm_pendulum");
   const Accuracy accuracy(scenario, scenario.duration_s);
-  report::Table table{"iftomm",
-                      fmt::format("What it costs to follow the pendulum for {} s", scenario.duration_s),
-                      {"method", "within 0.1 rad, CPU s", "with", "within 0.001 rad, CPU s", "with"},
-                      {},
-                      fmt::format("CPU times of this machine, of runs that record nothing, at the coarsest "
-                                  "setting that keeps the error at samples {} s apart, of steps halved again and again "
-                                  "and tolerances from 1e-6 down by tens. Up to {} steps were tried in Cartesian "
-                                  "coordinates (half as many of first order), {} in generalized ones and {} in the "
-                                  "last row. The reference knows the angle "
-                                  "to {} rad at "
-                                  "the end.",
-                                  accuracy.row_spacing_s(), most_steps_cartesian, most_steps_generalized,
-                                  scenario.duration_s / accuracy.row_spacing_s() * best_settings_steps_a_row[1],
-                                  shown(accuracy.doubt()))};
+  report::Table table{.name = "iftomm",
+                      .columns = {"method", "within 0.1 rad, CPU s", "with", "within 0.001 rad, CPU s", "with"}};
   report::Panel panel{.x_label = "steps", .y_label = "largest angle error, rad", .log_x = true, .log_y = true};
   for (const Method& method : catalogue::methods()) {
     if (!method.claims(*scenario.problem)) continue;
@@ -171,24 +159,16 @@ Section iftomm(Laboratory& laboratory, Findings& findings) {
   findings.add("iftomm.best_settings_within_0.1", reached.setting[0] ? measured(meaning, "s", *reached.setting[0])
                                                                      : unavailable(meaning, "s", "not reached"));
 
-  Section section{"iftomm", "The pendulum of the IFToMM benchmark", {}};
-  section.blocks.emplace_back(report::Text{fmt::format(
-      "A point of 1 kg on a bar of 1 m, released from the horizontal, has to stay near the exact motion for {} s: "
-      "problem A01 of the IFToMM benchmark library, whose score is the CPU time that this costs. It asks for what a "
-      "short run does not show: that a method's error does not pile up. At the steps tried here ODE "
-      "loses energy in every swing, so that the phase of its swing runs away, and a symplectic step keeps "
-      "it. "
-      "The last row is ODE at the settings that the half-step start (O1) and the best ERP (O2) come to, with more "
-      "steps.",
-      scenario.duration_s)});
-  section.blocks.emplace_back(report::Figure{
-      "iftomm-figure",
-      fmt::format("Error over {} s and the steps it took", scenario.duration_s),
-      "Angle errors that are many turns are of a pendulum that goes over the top, or of one that has come to rest.",
-      {std::move(panel)},
-      1});
-  section.blocks.emplace_back(std::move(table));
-  return section;
+  Content content;
+  content.values = {{"duration", scenario.duration_s},
+                    {"rows_apart", accuracy.row_spacing_s()},
+                    {"most_cartesian", most_steps_cartesian},
+                    {"most_generalized", most_steps_generalized},
+                    {"most_best", scenario.duration_s / accuracy.row_spacing_s() * best_settings_steps_a_row[1]},
+                    {"known", shown(accuracy.doubt())}};
+  content.exhibits.emplace_back(report::Figure{.name = "iftomm-figure", .panels = {std::move(panel)}});
+  content.exhibits.emplace_back(std::move(table));
+  return content;
 }
 
 }  // namespace odeval::experiments

@@ -114,17 +114,8 @@ void add_cells(std::vector<Cell>& row, const std::optional<ObservedOrder>& obser
 
 report::Table orders(const std::vector<Measured>& all) {
   report::Table table{
-      "order",
-      "Observed order on the double pendulum, until 1 s",
-      {"method", "order by design", "observed", "± (95 %)", "from h, s", "to h, s", "points"},
-      {},
-      fmt::format(
-          "Slope of log error over log h. Points count whose error is at least ten times what the reference and "
-          "rounding "
-          "leave open, and below {} rad. Of these, the slope is taken where it has settled: from the largest step on "
-          "from which the local slope (of a step and its half) stays within {} of all finer ones. That is half of what "
-          "claim C1 allows an order to be off, so no curvature that is left can decide it.",
-          divergence_rad, settled_slopes)};
+      .name = "order",
+      .columns = {"method", "order by design", "observed", "± (95 %)", "from h, s", "to h, s", "points"}};
   for (const Range& range : ranges) {
     table.columns.push_back(fmt::format("all points, {}", range.label));
     table.columns.push_back(fmt::format("± ({})", range.label));
@@ -167,18 +158,12 @@ report::Figure lines(const std::vector<Measured>& all) {
     errors.series.push_back(std::move(line));
     slopes.series.push_back(std::move(slope));
   }
-  return {
-      "order-lines",
-      "Error over step, and its local slope",
-      "The steeper, the higher the order. The local slope at h is that from h to h/2, drawn where both errors stand "
-      "clear of the reference's uncertainty; where it runs level, the order has settled.",
-      {std::move(errors), std::move(slopes)},
-      2};
+  return {.name = "order-lines", .panels = {std::move(errors), std::move(slopes)}, .columns = 2};
 }
 
 }  // namespace
 
-Section order(Laboratory& laboratory, Findings& findings) {
+Content order(Laboratory& laboratory, Findings& findings) {
   const Scenario& file = laboratory.scenario("double_pendulum");
   const catalogue::Accuracy accuracy(file, until_s);
   std::vector<Measured> all;
@@ -189,18 +174,11 @@ Section order(Laboratory& laboratory, Findings& findings) {
   }
   add_orders(findings, all);
 
-  Section section{"order", "Observed order of every method", {}};
-  section.blocks.emplace_back(report::Text{fmt::format(
-      "Each method with a fixed step runs the first second of the double pendulum at {} steps, each half the one "
-      "before. "
-      "A method of order p divides its error by 2 to the p whenever the step is halved, once the step is small enough. "
-      "Which steps are that decides what is found: the last columns of the table hold the slope over two fixed ranges, "
-      "the coarser of which has ODE off by more. A range chosen by its result would prove nothing, so the verdict is "
-      "taken from the steps where the local slopes have settled.",
-      halvings + 1)});
-  section.blocks.emplace_back(lines(all));
-  section.blocks.emplace_back(orders(all));
-  return section;
+  Content content;
+  content.values = {{"lost", divergence_rad}, {"settled", settled_slopes}, {"steps", halvings + 1}};
+  content.exhibits.emplace_back(lines(all));
+  content.exhibits.emplace_back(orders(all));
+  return content;
 }
 
 }  // namespace odeval::experiments

@@ -73,16 +73,11 @@ Column squeeze_of(const Trace& trace) {
 
 }  // namespace
 
-Section orientation(Laboratory& laboratory, Findings& findings) {
+Content orientation(Laboratory& laboratory, Findings& findings) {
   const reference::Precession motion;
   const std::vector<Cost> cost = costs();
-  report::Table table{"orientation",
-                      fmt::format("A body that goes round a cone, {} s at h = {} s", until_s, step_s),
-                      {"orientation kept as", "not orthonormal by", "off by, rad", "ns a step", "± ns"},
-                      {},
-                      "Not orthonormal by: the largest entry of |R'R - 1|. Off by: the angle between the exact "
-                      "orientation and the rotation nearest to R. A step's time has in it the rotation matrix, which "
-                      "every body needs for its inertia and its joints."};
+  report::Table table{.name = "orientation",
+                      .columns = {"orientation kept as", "not orthonormal by", "off by, rad", "ns a step", "± ns"}};
   report::Panel squeeze{.x_label = "t, s", .y_label = "not orthonormal by", .log_y = true};
   report::Panel error{.x_label = "t, s", .y_label = "off by, rad", .log_y = true};
   double worst[std::size(ways)];
@@ -111,22 +106,12 @@ Section orientation(Laboratory& laboratory, Findings& findings) {
                measured_ratio("time of a normalised quaternion's step over that of a matrix made orthonormal",
                               cost[3].ns, cost[1].ns, cost[3].doubt, cost[1].doubt));
 
-  Section section{"orientation", "A quaternion or a rotation matrix?", {}};
-  section.blocks.emplace_back(report::Text{
-      "A step adds to an orientation its rate of change, and the sum is no rotation any more: a step turns by an angle "
-      "a and stretches by the square root of 1 + a^2, whatever it is applied to. A matrix has six conditions to be "
-      "brought back to, a quaternion one, its length. The motion here is known in closed form; ODE, which keeps a "
-      "normalised quaternion and makes its matrix of it, stands beside it."});
-  section.blocks.emplace_back(report::Figure{"orientation-figure",
-                                             "Distance from a rotation, and from the right one",
-                                             "All four take the same angular velocities, those of the middle of each "
-                                             "step. What is not brought back to a rotation no longer keeps lengths; a "
-                                             "matrix still points the right way for long, one made of a quaternion "
-                                             "that is too long does not.",
-                                             {std::move(squeeze), std::move(error)},
-                                             2});
-  section.blocks.emplace_back(std::move(table));
-  return section;
+  Content content;
+  content.values = {{"until", until_s}, {"step", step_s}};
+  content.exhibits.emplace_back(
+      report::Figure{.name = "orientation-figure", .panels = {std::move(squeeze), std::move(error)}, .columns = 2});
+  content.exhibits.emplace_back(std::move(table));
+  return content;
 }
 
 }  // namespace odeval::experiments

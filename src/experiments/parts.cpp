@@ -121,14 +121,12 @@ std::vector<report::Cell> row_left_out(std::vector<report::Cell> known, std::siz
   return known;
 }
 
-void say_left_out(report::Section& section, std::span<const char* const> methods) {
+std::string left_out(const std::vector<std::string>& methods) {
   std::string missing;
-  for (const char* name : methods) {
-    if (available(name) == nullptr) missing += (missing.empty() ? "" : ", ") + std::string(name);
+  for (const std::string& name : methods) {
+    if (available(name) == nullptr) missing += (missing.empty() ? "" : ", ") + name;
   }
-  if (missing.empty()) return;
-  section.blocks.emplace_back(
-      report::Text{fmt::format("Not in this build: {} ({}).", missing, catalogue::why_missing)});
+  return missing.empty() ? "" : fmt::format("{} ({})", missing, catalogue::why_missing);
 }
 
 double error_until(Evaluator& evaluator, const Evaluation& run, double until_s) {
@@ -144,10 +142,9 @@ std::string reference_known(Evaluator& evaluator, std::initializer_list<double> 
   std::string text;
   for (const double time : until_s) {
     const Column known = part(reference.uncertainty_q, rows_between(reference.trace.t, 0, time));
-    text += fmt::format("{} {} rad until {} s", text.empty() ? " The reference knows the angles to" : ",",
-                        shown(std::ranges::max(known)), time);
+    text += fmt::format("{}{} rad until {} s", text.empty() ? "" : ", ", shown(std::ranges::max(known)), time);
   }
-  return text + ".";
+  return text;
 }
 
 OdeSettings half_step_started(OdeSettings settings) {

@@ -61,14 +61,14 @@ report::Cell finite_cell(const std::optional<double>& number);
 /// A row of a method that this build lacks, from the cells that are known to `columns` of them.
 std::vector<report::Cell> row_left_out(std::vector<report::Cell> known, std::size_t columns);
 
-/// For the section of a figure: says which of its methods this build lacks, if any.
-void say_left_out(report::Section& section, std::span<const char* const> methods);
+/// For a template: which of the methods this build lacks, and why; empty when it has them all.
+std::string left_out(const std::vector<std::string>& methods);
 
 /// The largest angle error until a time, which a run that blew up has no number for.
 double error_until(catalogue::Evaluator& evaluator, const catalogue::Evaluation& run, double until_s);
 double uncertainty_until(catalogue::Evaluator& evaluator, const catalogue::Evaluation& run, double until_s);
 
-/// For the note of a table of errors: a sentence, with a space before it, on how far the reference may be off.
+/// For the note of a table of errors, how far the reference may be off: "4e-12 rad until 1 s, 3e-10 rad until 3 s".
 std::string reference_known(catalogue::Evaluator& evaluator, std::initializer_list<double> until_s);
 
 OdeSettings half_step_started(OdeSettings settings);

@@ -38,15 +38,12 @@ double off_points(const Scenario& file, const Reference& spheres) {
 
 }  // namespace
 
-Section potra(Laboratory& laboratory, Findings& findings) {
+Content potra(Laboratory& laboratory, Findings& findings) {
   Evaluator& evaluator = laboratory.evaluator(name);
   const Reference& reference = evaluator.reference();
-  report::Table table{"potra-impacts",
-                      "Impacts of the reference, and how much later each method has them",
-                      {"impact", "ball", "t of the reference, s", "± s", "dWorldStep later by, s",
-                       "QuickStep later by, s", "fourth-order step later by, s"},
-                      {},
-                      "A method's impact of the same number is compared, if it is the same ball's."};
+  report::Table table{.name = "potra-impacts",
+                      .columns = {"impact", "ball", "t of the reference, s", "± s", "dWorldStep later by, s",
+                                  "QuickStep later by, s", "fourth-order step later by, s"}};
   std::array<double, std::size(compared)> worst{};
   for (std::size_t i = 0; i < reference.impacts.size(); ++i) {
     const Impact& impact = reference.impacts[i];
@@ -92,18 +89,13 @@ Section potra(Laboratory& laboratory, Findings& findings) {
     distance.series.push_back(curve(fmt::format("point {}, {}", ball + 1, compared[0]), shown_run.trace.t,
                                     shown_run.trace.bodies[ball].position[0]));
   }
-  Section section{"potra", "Two points against a wall (Potra et al. 2006)", {}};
-  section.blocks.emplace_back(report::Text{fmt::format(
-      "Two points on weightless rods, both of which may hit a wall: an impact of one goes through the joints to the "
-      "other. Spheres of {} m stand for them. dWorldStep has every impact within {} steps; twenty iterations of "
-      "QuickStep do not hold so small a sphere on its rod, and it follows another motion from the first impact on.",
-      evaluator.scenario().links[0].width_m, shown(worst[0] / step_s))});
-  report::Figure figure{"potra-figure", "Errors, and the points' distances from the wall", {}, {}, 2};
-  figure.caption = "Errors step up at the impacts that a method has early or late.";
+  report::Figure figure{.name = "potra-figure", .columns = 2};
   figure.panels = {std::move(errors), std::move(distance)};
-  section.blocks.emplace_back(std::move(figure));
-  section.blocks.emplace_back(std::move(table));
-  return section;
+  Content content;
+  content.values = {{"sphere", evaluator.scenario().links[0].width_m}, {"late_steps", shown(worst[0] / step_s)}};
+  content.exhibits.emplace_back(std::move(figure));
+  content.exhibits.emplace_back(std::move(table));
+  return content;
 }
 
 }  // namespace odeval::experiments

@@ -66,14 +66,12 @@ report::Finding QuickRuns::error_ratio(std::string meaning) const {
   return measured_ratio(std::move(meaning), as_set.error, direct.error, as_set.doubt, direct.doubt);
 }
 
-report::Table QuickRuns::table(std::string name, std::string title, std::string note) const {
-  report::Table table{std::move(name),
-                      std::move(title),
-                      {"method", "iterations", "over-relaxation", "angle error, rad", "error over dWorldStep's",
-                       "largest gap, m", "CPU time a step, s"},
-                      {{std::string(big_matrix), std::string("direct"), std::string("-"), direct.error, 1.0, direct.gap,
-                        direct.a_step_s}},
-                      std::move(note)};
+report::Table QuickRuns::table(std::string name) const {
+  report::Table table{.name = std::move(name),
+                      .columns = {"method", "iterations", "over-relaxation", "angle error, rad",
+                                  "error over dWorldStep's", "largest gap, m", "CPU time a step, s"},
+                      .rows = {{std::string(big_matrix), std::string("direct"), std::string("-"), direct.error, 1.0,
+                                direct.gap, direct.a_step_s}}};
   for (const QuickRun& run : iterative) {
     table.rows.push_back({std::string(iterative_method), static_cast<double>(run.settings.iterations),
                           run.settings.sor_w, finite_cell(run.error), finite_cell(run.error / direct.error),

@@ -25,7 +25,7 @@ struct QuickRuns {
   /// The error of QuickStep as set over dWorldStep's.
   report::Finding error_ratio(std::string meaning) const;
 
-  report::Table table(std::string name, std::string title, std::string note) const;
+  report::Table table(std::string name) const;
 
   /// One curve an over-relaxation, on logarithmic axes.
   report::Panel panel(std::string x_label, const std::function<double(const QuickRun&)>& x, std::string y_label,

@@ -28,26 +28,17 @@ double add_row(Laboratory& laboratory, const std::string& scenario, double until
 
 }  // namespace
 
-Section remedy(Laboratory& laboratory, Findings& findings) {
-  report::Table table{"remedy",
-                      "dWorldStep and the fourth-order step in the same ODE worlds, at the same step",
-                      {"scenario", "until, s", "error of dWorldStep, rad", "of the fourth-order step, rad",
-                       "the reference's uncertainty, rad", "at least more accurate, times", "drift of dWorldStep, J",
-                       "of the fourth-order step, J"},
-                      {},
-                      "'At least': the error of the fourth-order step and the reference's uncertainty are added."};
+Content remedy(Laboratory& laboratory, Findings& findings) {
+  report::Table table{.name = "remedy",
+                      .columns = {"scenario", "until, s", "error of dWorldStep, rad", "of the fourth-order step, rad",
+                                  "the reference's uncertainty, rad", "at least more accurate, times",
+                                  "drift of dWorldStep, J", "of the fourth-order step, J"}};
   const double smooth = add_row(laboratory, "double_pendulum", 3, table);
   const double impact = add_row(laboratory, "wall_pendulum", 5, table);
   add_row(laboratory, "single_pendulum", 10, table);
   findings.add("C12.smooth_gain",
                measured("error of dWorldStep over that of ode-rk4-double, double pendulum until 3 s", "", smooth));
   findings.add("C12.impact_gain", measured("the same through the wall pendulum's impacts, until 5 s", "", impact));
-  Section section{"remedy", "A fourth-order step beside ODE's collision detection", {}};
-  section.blocks.emplace_back(report::Text{
-      "The report ended by recommending a fixed-step Runge-Kutta solver that works beside ODE's collision detection. "
-      "The library odeval::accurate_step is one; the method ode-rk4-double moves the very same ODE worlds with it. "
-      "What it "
-      "costs and does not do stands in the README."});
   std::vector<report::Panel> panels;
   for (const char* scenario : {"double_pendulum", "wall_pendulum"}) {
     report::Panel panel{.x_label = fmt::format("t, s ({})", scenario), .y_label = "error, rad", .log_y = true};
@@ -62,10 +53,10 @@ Section remedy(Laboratory& laboratory, Findings& findings) {
     if (panel.shade) panel.shade->why = std::string(now) + ": " + panel.shade->why;
     panels.push_back(std::move(panel));
   }
-  section.blocks.emplace_back(report::Figure{"remedy-errors", "Errors in free motion and through impacts",
-                                             "Largest angle error at each time.", std::move(panels), 2});
-  section.blocks.emplace_back(std::move(table));
-  return section;
+  Content content;
+  content.exhibits.emplace_back(report::Figure{.name = "remedy-errors", .panels = std::move(panels), .columns = 2});
+  content.exhibits.emplace_back(std::move(table));
+  return content;
 }
 
 }  // namespace odeval::experiments

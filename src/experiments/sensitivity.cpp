@@ -19,7 +19,7 @@ std::size_t row_at(const Column& t, double time) { return rows_between(t, 0, tim
 
 }  // namespace
 
-Section sensitivity(Laboratory& laboratory, Findings& findings) {
+Content sensitivity(Laboratory& laboratory, Findings& findings) {
   catalogue::Evaluator& evaluator = laboratory.evaluator("double_pendulum");
   const Reference& reference = evaluator.reference();
   const Column& t = reference.trace.t;
@@ -65,32 +65,23 @@ Section sensitivity(Laboratory& laboratory, Findings& findings) {
   report::Panel exponent{.x_label = "t, s", .y_label = "finite-time Lyapunov exponent, 1/s"};
   exponent.series = {curve("ln(growth) / t", motion.t, motion.exponent)};
 
-  report::Table table{"sensitivity",
-                      "Growth of a small error of the start",
-                      {"t, s", "growth factor", "Lyapunov exponent, 1/s", "separation of q2, rad", "predicted, rad"},
-                      {},
-                      "The prediction is linear: it holds as long as the separation is small."};
+  report::Table table{
+      .name = "sensitivity",
+      .columns = {"t, s", "growth factor", "Lyapunov exponent, 1/s", "separation of q2, rad", "predicted, rad"}};
   for (const double time : {1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0}) {
     if (time > t.back()) continue;
     const std::size_t k = row_at(t, time);
     table.rows.push_back({time, motion.growth[k], motion.exponent[k], separation[k], predicted[k]});
   }
 
-  Section section{"sensitivity", "How an error of the start grows (Figure 5.14)", {}};
-  section.blocks.emplace_back(report::Text{fmt::format(
-      "The report started a second run {} rad off and saw q2 part after three seconds. Here both runs are the "
-      "reference, so "
-      "no method's own error is in them, and CVODES says beside it how any small error of the start grows: {} times "
-      "until {} s.",
-      delta_rad, shown(growth), look_s)});
-  section.blocks.emplace_back(
-      report::Figure{"fig-5-14",
-                     "Figure 5.14 again",
-                     "A method's error, once made, grows as an error of the start would.",
-                     {std::move(angles), std::move(apart), std::move(factor), std::move(exponent)},
-                     2});
-  section.blocks.emplace_back(std::move(table));
-  return section;
+  Content content;
+  content.values = {{"delta", delta_rad}, {"growth", shown(growth)}, {"until", look_s}};
+  content.exhibits.emplace_back(
+      report::Figure{.name = "fig-5-14",
+                     .panels = {std::move(angles), std::move(apart), std::move(factor), std::move(exponent)},
+                     .columns = 2});
+  content.exhibits.emplace_back(std::move(table));
+  return content;
 }
 
 }  // namespace odeval::experiments

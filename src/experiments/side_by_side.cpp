@@ -13,7 +13,7 @@ namespace {
 std::string outcome_bytes(const Experiment& experiment, Laboratory& laboratory) {
   report::Outcome outcome;
   report::Findings findings;
-  outcome.section = experiment.run(laboratory, findings);
+  outcome.section = section_of(experiment, laboratory, findings);
   for (const auto& finding : findings.all()) outcome.findings.emplace_back(finding);
   return report::outcome_bytes(outcome);
 }
@@ -22,7 +22,7 @@ report::Outcome failure(const Experiment& experiment, const std::string& why) {
   report::Outcome outcome;
   outcome.failures.push_back(std::string(experiment.name) + ": " + why);
   outcome.section = {std::string(experiment.name),
-                     std::string(experiment.title),
+                     report::title_of(experiment.prose),
                      {report::Text{"This experiment failed, and its numbers are missing: " + why}}};
   return outcome;
 }

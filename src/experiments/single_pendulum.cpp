@@ -1,6 +1,4 @@
 // The single pendulum beside the double one: claim C17.
-#include <fmt/format.h>
-
 #include "experiments/all.hpp"
 #include "experiments/parts.hpp"
 
@@ -13,13 +11,10 @@ constexpr double late_s = 10;
 
 }  // namespace
 
-Section single_pendulum(Laboratory& laboratory, Findings& findings) {
-  report::Table table{"single-pendulum",
-                      "How the error of dWorldStep grows",
-                      {"scenario", "error until 1 s, rad", "uncertainty of the reference at 1 s, rad",
-                       "until 10 s, rad", "at 10 s, rad", "growth"},
-                      {},
-                      ""};
+Content single_pendulum(Laboratory& laboratory, Findings& findings) {
+  report::Table table{.name = "single-pendulum",
+                      .columns = {"scenario", "error until 1 s, rad", "uncertainty of the reference at 1 s, rad",
+                                  "until 10 s, rad", "at 10 s, rad", "growth"}};
   double growth[2] = {};
   double doubt[2] = {};
   const char* const scenarios[] = {"single_pendulum", "double_pendulum"};
@@ -49,19 +44,11 @@ Section single_pendulum(Laboratory& laboratory, Findings& findings) {
   panel.series.push_back(
       curve("the reference's uncertainty", reference.trace.t, above_zero(reference.uncertainty_q), -1, true));
 
-  Section section{"single-pendulum", "Was the double pendulum a good choice?", {}};
-  section.blocks.emplace_back(report::Text{fmt::format(
-      "The report wished it had compared single pendulums. From 1 s to 10 s the largest error of dWorldStep grows by a "
-      "factor of {} on the single pendulum and of {} on the double one, where after some seconds it measures the "
-      "motion and no longer the method.",
-      shown(growth[0]), shown(growth[1]))});
-  section.blocks.emplace_back(report::Figure{"single-pendulum-errors",
-                                             "Errors on the single pendulum",
-                                             "Largest angle error at each time.",
-                                             {std::move(panel)},
-                                             1});
-  section.blocks.emplace_back(std::move(table));
-  return section;
+  Content content;
+  content.values = {{"single_growth", shown(growth[0])}, {"double_growth", shown(growth[1])}};
+  content.exhibits.emplace_back(report::Figure{.name = "single-pendulum-errors", .panels = {std::move(panel)}});
+  content.exhibits.emplace_back(std::move(table));
+  return content;
 }
 
 }  // namespace odeval::experiments

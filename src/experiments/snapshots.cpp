@@ -17,8 +17,6 @@ const render::View corner{30, 14, {}};
 
 struct Wanted {
   const char* name;
-  const char* title;
-  const char* after;  // whose picture it is like
   const char* scenario;
   std::vector<double> times;  // s
   int width, height;          // pixels: four times the area that a phone shows, and no more
@@ -26,44 +24,14 @@ struct Wanted {
 
 /// Short motions whole, others for as long as a look tells something.
 const Wanted others[] = {
-    {"picture-chain", "A chain of eight links.", "", "chain", {0, 0.2, 0.4, 0.6, 0.8, 1}, 720, 480},
-    {"picture-potra",
-     "Two points on rods that both hit a wall.",
-     ", points drawn small as they are",
-     "potra_pendulum",
-     {0, 0.3, 0.6, 0.9, 1.2, 1.5},
-     720,
-     480},
-    {"picture-iftomm", "The pendulum of the IFToMM benchmark.", "", "iftomm_pendulum", {0, 1}, 720, 480},
-    {"picture-free-box",
-     "A free box that tumbles.",
-     ", seen by a camera that falls with it",
-     "free_box",
-     {0, 0.5, 1, 1.5, 2, 2.5},
-     720,
-     480},
-    {"picture-thin-body",
-     "A long thin body that spins across its length.",
-     "",
-     "thin_body",
-     {0, 0.5, 1, 1.5, 2, 2.5},
-     720,
-     480},
-    {"picture-bouncing-ball", "A ball that bounces.", "", "bouncing_ball", {0, 0.25, 0.45, 0.75, 1.085, 1.3}, 720, 480},
-    {"picture-friction",
-     "A box that slides until friction holds it.",
-     "",
-     "friction_slide",
-     {0, 0.25, 0.5, 0.75},
-     720,
-     480},
-    {"picture-spring-joint",
-     "A cube on a joint that is a spring and a damper.",
-     "",
-     "spring_joint",
-     {0, 0.1, 0.2, 0.3, 0.4, 0.5},
-     720,
-     480},
+    {"picture-chain", "chain", {0, 0.2, 0.4, 0.6, 0.8, 1}, 720, 480},
+    {"picture-potra", "potra_pendulum", {0, 0.3, 0.6, 0.9, 1.2, 1.5}, 720, 480},
+    {"picture-iftomm", "iftomm_pendulum", {0, 1}, 720, 480},
+    {"picture-free-box", "free_box", {0, 0.5, 1, 1.5, 2, 2.5}, 720, 480},
+    {"picture-thin-body", "thin_body", {0, 0.5, 1, 1.5, 2, 2.5}, 720, 480},
+    {"picture-bouncing-ball", "bouncing_ball", {0, 0.25, 0.45, 0.75, 1.085, 1.3}, 720, 480},
+    {"picture-friction", "friction_slide", {0, 0.25, 0.5, 0.75}, 720, 480},
+    {"picture-spring-joint", "spring_joint", {0, 0.1, 0.2, 0.3, 0.4, 0.5}, 720, 480},
 };
 
 /// The sample nearest to each time.
@@ -91,8 +59,8 @@ report::Picture picture(const Wanted& wanted, const Scenario& scenario, const Tr
   const render::Image image = shots.size() == 1
                                   ? studio.picture(shots.front(), {who, step + ", " + shots.front().label})
                                   : studio.sheet(shots, {who, step});
-  return {wanted.name, wanted.title, fmt::format("Of the run with {}{}.", shown_method, wanted.after),
-          render::png(image, {{"scenario", scenario.name}, {"method", std::string(shown_method)}})};
+  return {.name = wanted.name,
+          .png = render::png(image, {{"scenario", scenario.name}, {"method", std::string(shown_method)}})};
 }
 
 /// From the release to the way back after the first touch, in even steps.
@@ -103,42 +71,22 @@ std::vector<double> through_first_touch(const catalogue::Evaluation& run, int po
   return times;
 }
 
-report::Block block(Wanted wanted, Laboratory& laboratory, bool sheet) {
-  const catalogue::Evaluation* const run = laboratory.run(wanted.scenario, shown_method);
-  if (run == nullptr) return report::Text{fmt::format("{} is missing: {}.", wanted.title, catalogue::why_missing)};
-  if (sheet) wanted.times = through_first_touch(*run, 6);
-  try {
-    return picture(wanted, laboratory.scenario(wanted.scenario), run->trace);
-  } catch (const MachineError& error) {  // no OpenGL, no font
-    return report::Text{fmt::format("{} is missing: {}.", wanted.title, error.what())};
-  }
+report::Exhibit exhibit(const Wanted& wanted, Laboratory& laboratory) try {
+  return picture(wanted, laboratory.scenario(wanted.scenario), laboratory.run(wanted.scenario, shown_method)->trace);
+} catch (const MachineError& error) {  // no OpenGL, no font
+  return report::Lacking{wanted.name, error.what()};
 }
 
 }  // namespace
 
-Section snapshots(Laboratory& laboratory, Findings&) {
-  Section section{"snapshots", "Pictures of the motions", {}};
-  section.blocks.emplace_back(report::Text{
-      "The bodies as ODE has them, drawn from the samples of its runs. The same pictures, of any scenario, method and "
-      "time, are made by odeval snapshot."});
-  section.blocks.push_back(block({"picture-5-8",
-                                  "The double pendulum at its release.",
-                                  ", as Figure 5.8 of the 2010 report shows it",
-                                  "double_pendulum",
-                                  {0},
-                                  720,
-                                  540},
-                                 laboratory, false));
-  section.blocks.push_back(block({"picture-6-2",
-                                  "The wall pendulum from its release to its way back from the wall.",
-                                  ", as Figure 6.2 of the 2010 report shows it",
-                                  "wall_pendulum",
-                                  {},
-                                  960,
-                                  640},
-                                 laboratory, true));
-  for (const Wanted& wanted : others) section.blocks.push_back(block(wanted, laboratory, false));
-  return section;
+Content snapshots(Laboratory& laboratory, Findings&) {
+  Content content;
+  content.values = {{"method", shown_method}};
+  content.exhibits.push_back(exhibit({"picture-5-8", "double_pendulum", {0}, 720, 540}, laboratory));
+  const auto times = through_first_touch(*laboratory.run("wall_pendulum", shown_method), 6);
+  content.exhibits.push_back(exhibit({"picture-6-2", "wall_pendulum", times, 960, 640}, laboratory));
+  for (const Wanted& wanted : others) content.exhibits.push_back(exhibit(wanted, laboratory));
+  return content;
 }
 
 }  // namespace odeval::experiments

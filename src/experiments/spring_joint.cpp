@@ -135,40 +135,23 @@ std::optional<ObservedOrder> measure_orders(const Scenario& file, report::Table&
 
 }  // namespace
 
-Section spring_joint(Laboratory& laboratory, Findings& findings) {
+Content spring_joint(Laboratory& laboratory, Findings& findings) {
   const Scenario& file = laboratory.scenario("spring_joint");
-  report::Table law{
-      "spring-joint-law",
-      "ODE against the law of its step",
-      {"joint", "gravity, m/s²", "ERP", "CFM", "gap at the end, m", "largest difference, of the displacement"},
-      {},
-      fmt::format("dWorldStep, double precision, h = {} s, {} s. With CFM = 0 the gap shrinks by 1 - ERP a "
-                  "step; with CFM it follows v' = (m CFM (v - h g) - ERP x) / (m CFM + h), x' = x + h v'.",
-                  file.step_s, law_s)};
-  report::Table errors{
-      "spring-joint",
-      "ODE against the damped oscillator",
-      {"damping", "h, s", "ERP", "CFM", "largest distance, m", "largest error of the joint's force, N",
-       "uncertainty of the closed form, m"},
-      {},
-      fmt::format("kp = {} N/m, {} s. ERP and CFM are those of each step.", file.ode.spring->kp_N_m, file.duration_s)};
-  report::Table orders{"spring-joint-order",
-                       "Observed order in the step size",
-                       {"damping", "of the position", "± (position)", "of the joint's force", "± (force)"},
-                       {},
-                       "Slope of the errors above, with its 95 % interval."};
-  report::Figure figure{"spring-joint-figure", "A body pulled out of its joint", "", {}, 2};
+  report::Table law{.name = "spring-joint-law",
+                    .columns = {"joint", "gravity, m/s²", "ERP", "CFM", "gap at the end, m",
+                                "largest difference, of the displacement"}};
+  report::Table errors{.name = "spring-joint",
+                       .columns = {"damping", "h, s", "ERP", "CFM", "largest distance, m",
+                                   "largest error of the joint's force, N", "uncertainty of the closed form, m"}};
+  report::Table orders{.name = "spring-joint-order",
+                       .columns = {"damping", "of the position", "± (position)", "of the joint's force", "± (force)"}};
+  report::Figure figure{.name = "spring-joint-figure", .columns = 2};
   Panel gaps{.x_label = "step", .y_label = "gap, m (no gravity)", .log_y = true};
 
   const double worst = measure_law(file, law, gaps);
   const std::optional<ObservedOrder> least = measure_orders(file, errors, orders, figure);
   gaps.y_range = std::pair{1e-16, 1.0};
   figure.panels.push_back(std::move(gaps));
-  figure.caption = fmt::format(
-      "A step of {} s, so that the difference can be seen: ODE's spring dies away sooner. Last, gaps over the first "
-      "100 "
-      "steps of {} s: straight lines are the law of a rigid joint.",
-      shown_step_s, file.step_s);
 
   findings.add(
       "C6.discrete_law_error",
@@ -181,24 +164,17 @@ Section spring_joint(Laboratory& laboratory, Findings& findings) {
   findings.add("C6.oscillator_order", least ? measured(meaning, "", least->order, least->half_width)
                                             : unavailable(meaning, "", "too few points"));
 
-  Section section{"spring-joint", "ERP and CFM as a spring and a damper", {}};
-  section.blocks.emplace_back(report::Text{
-      "A body is pulled out of a joint and let go. The joint sits at the body's centre, so that its force turns "
-      "nothing "
-      "and each direction is a problem of its own: what the step does is then known exactly, and what it should do in "
-      "closed form."});
-  section.blocks.emplace_back(report::Text{
-      "Put ERP = h kp / (h kp + kd) and CFM = 1 / (h kp + kd) into ODE's step and the joint's force is -kp x - kd v at "
-      "the end of the step: the implicit Euler method. So the step is stable for any kp and kd, and it damps: a joint "
-      "of "
-      "kd and h behaves as one of kd + h kp - h kd²/2m. A spring with no damper loses its swing at the rate of a "
-      "damper "
-      "h kp. Under gravity it gives way by m g / kp at any step."});
-  section.blocks.emplace_back(std::move(figure));
-  section.blocks.emplace_back(std::move(law));
-  section.blocks.emplace_back(std::move(errors));
-  section.blocks.emplace_back(std::move(orders));
-  return section;
+  Content content;
+  content.values = {{"step", file.step_s},
+                    {"law_duration", law_s},
+                    {"kp", file.ode.spring->kp_N_m},
+                    {"duration", file.duration_s},
+                    {"shown_step", shown_step_s}};
+  content.exhibits.emplace_back(std::move(figure));
+  content.exhibits.emplace_back(std::move(law));
+  content.exhibits.emplace_back(std::move(errors));
+  content.exhibits.emplace_back(std::move(orders));
+  return content;
 }
 
 }  // namespace odeval::experiments

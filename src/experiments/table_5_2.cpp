@@ -44,17 +44,9 @@ report::Table side_by_side(const std::vector<TimingRow>& timed) {
   const auto ode = std::ranges::find_if(rows, [](const Table52Row& row) { return row.number == 5; });
   constexpr const char* not_in_report = "the report did not have it";
   constexpr const char* not_timed = "not timed in this build";
-  report::Table table{
-      "table-5-2",
-      "Table 5.2 again: 10 s of the double pendulum at the report's steps",
-      {"case", "equations", "solver", "steps 2010", "2010, s", "2010, times ODE", "method now", "steps now", "now, ms",
-       "± ms", "now, times ODE"},
-      {},
-      fmt::format("CPU time of the stepping alone, median and median absolute deviation of {} rounds in turns. Cases 1 "
-                  "and 2 were a toolbox's equations, interpreted and compiled; one method stands for both now. The 500 "
-                  "points that ode45 returned in 2010 are {} steps: by default it puts {} points into each. The last "
-                  "rows are methods that the report did not have.",
-                  rounds, 500 / catalogue::ode45_refine, catalogue::ode45_refine)};
+  report::Table table{.name = "table-5-2",
+                      .columns = {"case", "equations", "solver", "steps 2010", "2010, s", "2010, times ODE",
+                                  "method now", "steps now", "now, ms", "± ms", "now, times ODE"}};
   for (const Table52Row& row : rows) {
     std::vector<Cell> cells{row.number ? Cell(fmt::format("{}", *row.number)) : Cell(std::string("-")), row.equations,
                             row.solver};
@@ -74,14 +66,9 @@ report::Table side_by_side(const std::vector<TimingRow>& timed) {
 report::Table equal_error(const Scenario& file) {
   const catalogue::Accuracy accuracy(file, until_s);
   const auto rows = catalogue::at_equal_error(accuracy, file.name, methods_of_table(), {max_error_rad, 5, most_steps});
-  report::Table table{"equal-error",
-                      fmt::format("The same methods at equal error: at most {} rad until {} s", max_error_rad, until_s),
-                      {"method", "made accurate by", "setting", "error, rad", "the reference's uncertainty, rad",
-                       "steps", "evaluations", "CPU time, ms", "± ms"},
-                      {},
-                      "Each method at its largest step, or its loosest relative tolerance, that keeps the error. "
-                      "Evaluations are of the "
-                      "equations of motion. The cheapest method is the one to take."};
+  report::Table table{.name = "equal-error",
+                      .columns = {"method", "made accurate by", "setting", "error, rad",
+                                  "the reference's uncertainty, rad", "steps", "evaluations", "CPU time, ms", "± ms"}};
   for (const EqualErrorRow& row : rows) {
     const Missing why{"not reached: " + row.why_not};
     const bool reached = row.why_not.empty();
@@ -108,7 +95,7 @@ void add_ratio(Findings& findings, const std::string& name, const std::string& m
 
 }  // namespace
 
-Section table_5_2(Laboratory& laboratory, Findings& findings) {
+Content table_5_2(Laboratory& laboratory, Findings& findings) {
   const catalogue::Evaluator& evaluator = laboratory.evaluator("double_pendulum");
   std::vector<catalogue::TimedRun> runs;
   for (const catalogue::Method* method : methods_of_table()) runs.push_back({&evaluator, method, 0, 0, {}});
@@ -124,15 +111,15 @@ Section table_5_2(Laboratory& laboratory, Findings& findings) {
             "CPU time of ode45 on a toolbox's equations over that on hand-derived ones", runs, "dh-ode45",
             "lagrange-ode45");
 
-  Section section{"table-5-2", "What the methods cost (Table 5.2)", {}};
-  section.blocks.emplace_back(report::Text{
-      "In 2010 ODE was the fastest of five cases. It was compiled, and cases 1, 3 and 4 were MATLAB programs: the "
-      "times "
-      "compared languages. Here all are compiled by one compiler. Equal steps, however, are no equal work for "
-      "different errors; the second table asks what an error costs."});
-  section.blocks.emplace_back(side_by_side(timed));
-  section.blocks.emplace_back(equal_error(evaluator.scenario()));
-  return section;
+  Content content;
+  content.values = {{"rounds", rounds},
+                    {"ode45_steps", 500 / catalogue::ode45_refine},
+                    {"ode45_refine", catalogue::ode45_refine},
+                    {"max_error", max_error_rad},
+                    {"until", until_s}};
+  content.exhibits.emplace_back(side_by_side(timed));
+  content.exhibits.emplace_back(equal_error(evaluator.scenario()));
+  return content;
 }
 
 }  // namespace odeval::experiments

@@ -18,6 +18,7 @@ constexpr double aspects[] = {1, 3, 10, 30, 100, 300, 1000, 5000};  // the repor
 constexpr double judged_aspect = 1000;
 constexpr double link_aspects[] = {10, 100, 1000};
 constexpr double spacing_s = 1e-2;
+constexpr double along = 0.5;  // rad/s, of a spin about the length
 constexpr double swing_s = 3;  // the double pendulum's own sensitivity takes over later
 constexpr const char* thin_methods[] = {"ode-step-single", "ode-step-double", "ode-quickstep-single",
                                         "ode-quickstep-double"};
@@ -52,13 +53,10 @@ Scenario spinning(Scenario scenario, double along_rad_s) {
 
 /// A box without any spin about its length, by aspect ratio.
 struct SpinUp {
-  report::Table table{
-      "thin-body",
-      "A free box that does not spin about its length, 10 s",
-      {"length : thickness", "ratio of moments", "method", "gyroscopic term", "spin about its length, rad/s",
-       "over its own spin", "± rad/s", "angle error, rad", "± rad", "energy drift, J", "angular momentum drift, N m s"},
-      {},
-      "Largest values of each run."};
+  report::Table table{.name = "thin-body",
+                      .columns = {"length : thickness", "ratio of moments", "method", "gyroscopic term",
+                                  "spin about its length, rad/s", "over its own spin", "± rad/s", "angle error, rad",
+                                  "± rad", "energy drift, J", "angular momentum drift, N m s"}};
   report::Panel panel{.x_label = "length over thickness",
                       .y_label = "spin about its length over its own",
                       .log_x = true,
@@ -126,13 +124,10 @@ SpinUp spin_up(const Scenario& file, Findings& findings) {
 
 /// A box that does spin about its length: the part that is left.
 report::Table spin_kept(const Scenario& file) {
-  constexpr double along = 0.5;  // rad/s
-  report::Table table{"thin-body-spin",
-                      fmt::format("A free box that spins about its length by {} rad/s as well", along),
-                      {"length : thickness", "method", "gyroscopic term", "spin about its length after 10 s, rad/s",
-                       "± rad/s", "angle error until 10 s, rad", "± rad"},
-                      {},
-                      "The sides across are equal, so that the true spin about the length stays as it is."};
+  report::Table table{
+      .name = "thin-body-spin",
+      .columns = {"length : thickness", "method", "gyroscopic term", "spin about its length after 10 s, rad/s",
+                  "± rad/s", "angle error until 10 s, rad", "± rad"}};
   for (const double aspect : {1.0, 10.0, 100.0, 1000.0}) {
     Evaluator evaluator(spinning(thinner(file, aspect), along));
     for (const char* name : {"ode-step-double", "ode-rk4-double"}) {
@@ -154,12 +149,9 @@ report::Table spin_kept(const Scenario& file) {
 /// Where the digits go: ODE's step rebuilt in single precision, the same torque by other orders of operations.
 report::Table orders_of_operations(const Scenario& file) {
   using reference::GyroscopicForm;
-  report::Table table{"thin-body-rounding",
-                      "The same gyroscopic torque by other orders of operations, single precision",
-                      {"length : thickness", "in ODE, rad/s", "ODE's order rebuilt, rad/s",
-                       "w* solved for first, rad/s", "w* in the body's axes, rad/s"},
-                      {},
-                      "Largest spin about the length in 10 s of steps of the same size. w* = (I - h [I w]x)^-1 I w."};
+  report::Table table{.name = "thin-body-rounding",
+                      .columns = {"length : thickness", "in ODE, rad/s", "ODE's order rebuilt, rad/s",
+                                  "w* solved for first, rad/s", "w* in the body's axes, rad/s"}};
   const catalogue::Method* const single = available("ode-step-single");
   for (const double aspect : {10.0, 30.0, 100.0, 300.0, 1000.0}) {
     Evaluator evaluator(thinner(file, aspect));
@@ -180,14 +172,9 @@ report::Table orders_of_operations(const Scenario& file) {
 /// Links a metre long on hinges, thinner and thinner.
 report::Table thin_links(Laboratory& laboratory) {
   report::Table table{
-      "thin-links",
-      fmt::format("Pendulums of thin links, {} s", swing_s),
-      {"scenario", "length : thickness", "method", "gyroscopic term", "spin about its length, rad/s", "out of plane, m",
-       "angle error, rad", "± rad", "energy drift, J"},
-      {},
-      "A hinge leaves a link no freedom to turn about its length. The plane of swing lies along the world's axes, "
-      "in which everything out of the plane is a product with an exact zero: its zeros are no measure of "
-      "rounding."};
+      .name = "thin-links",
+      .columns = {"scenario", "length : thickness", "method", "gyroscopic term", "spin about its length, rad/s",
+                  "out of plane, m", "angle error, rad", "± rad", "energy drift, J"}};
   for (const char* name : {"single_pendulum", "double_pendulum"}) {
     for (const double aspect : link_aspects) {
       Scenario scenario = laboratory.scenario(name);
@@ -220,40 +207,22 @@ report::Table thin_links(Laboratory& laboratory) {
 
 }  // namespace
 
-Section thin_body(Laboratory& laboratory, Findings& findings) {
+Content thin_body(Laboratory& laboratory, Findings& findings) {
   const Scenario& file = laboratory.scenario("thin_body");
   SpinUp up = spin_up(file, findings);
-  Section section{"thin-body", "Long thin bodies and their long axis", {}};
-  section.blocks.emplace_back(report::Text{fmt::format(
-      "The report expects that single precision rounds the small moment of inertia of a long thin body away once the "
-      "moments differ by 1e7 (a length of 4472 thicknesses), and that the body then spins about its length. "
-      "Measured on a free box a metre long that spins across its length by {} rad/s in no special attitude, which it "
-      "would do for ever. The small moment itself survives: with the gyroscopic term left out, nothing of the kind "
-      "happens, however thin the body is. The term is zero here, and is not when rounded. ODE computes it as "
-      "(I (I - h [I w]x)^-1 - 1) I w / h, a difference of matrices in which rounding stands multiplied by the ratio of "
-      "the moments, and divides by the small moment after that: digits run out long before the ratio reaches 1e7.",
-      shown(own_spin(file)))});
-  say_left_out(section, thin_methods);
-  report::Figure figure{
-      "thin-body-figure",
-      "Spin that should not be there",
-      "dWorldStep, h = 0.001 s, 10 s. On a value of 1 the body spins about its length as fast as across it.",
-      {},
-      1};
+  report::Figure figure{.name = "thin-body-figure"};
   figure.panels.push_back(std::move(up.panel));
-  section.blocks.emplace_back(std::move(figure));
-  section.blocks.emplace_back(std::move(up.table));
-  section.blocks.emplace_back(orders_of_operations(file));
-  section.blocks.emplace_back(report::Text{
-      "A long body that does spin about its length fares no better in double precision: the implicit form of the term, "
-      "which keeps ODE stable, takes that spin away, the sooner the thinner the body is. Without the term the spin "
-      "stays in the "
-      "world's axes while the body turns away from it, which is no motion of a body either. The fourth-order step "
-      "keeps "
-      "the spin."});
-  section.blocks.emplace_back(spin_kept(file));
-  section.blocks.emplace_back(thin_links(laboratory));
-  return section;
+  Content content;
+  content.values = {{"along", along},
+                    {"swing_duration", swing_s},
+                    {"own_spin", shown(own_spin(file))},
+                    {"left_out", left_out({std::begin(thin_methods), std::end(thin_methods)})}};
+  content.exhibits.emplace_back(std::move(figure));
+  content.exhibits.emplace_back(std::move(up.table));
+  content.exhibits.emplace_back(orders_of_operations(file));
+  content.exhibits.emplace_back(spin_kept(file));
+  content.exhibits.emplace_back(thin_links(laboratory));
+  return content;
 }
 
 }  // namespace odeval::experiments

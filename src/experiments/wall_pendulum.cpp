@@ -47,25 +47,17 @@ report::Figure traces(Evaluator& evaluator, const std::vector<const Evaluation*>
   const Reference& reference = evaluator.reference();
   error.series.push_back(curve("uncertainty of the reference", reference.trace.t, above_zero(reference.uncertainty_q),
                                colour_of(catalogue::reference_method), true));
-  report::Figure figure{"wall-pendulum-figure", "The wall pendulum in all methods", {}, {}, 2};
+  report::Figure figure{.name = "wall-pendulum-figure", .columns = 2};
   figure.panels = {std::move(angle), std::move(rate), std::move(energy), std::move(error)};
-  figure.caption =
-      "At an impact the angle turns and the rate changes its sign. Where a method finds the impact a step early or "
-      "late, "
-      "its rate is of the wrong sign for that long; the angles hardly show it.";
   return figure;
 }
 
 report::Table impacts(Evaluator& evaluator, const std::vector<const Evaluation*>& runs) {
   const Reference& reference = evaluator.reference();
   report::Table table{
-      "wall-pendulum-impacts",
-      "Every impact of every method",
-      {"method", "impact", "t, s", "later than the reference, s", "the reference knows its own to, s", "q, rad",
-       "rate before, rad/s", "rate after, rad/s", "deepest overlap, m"},
-      {},
-      "Methods that locate the touch have no overlap. An impact of ODE stands at the step that finds one, "
-      "so a step late or early is what it can do at best."};
+      .name = "wall-pendulum-impacts",
+      .columns = {"method", "impact", "t, s", "later than the reference, s", "the reference knows its own to, s",
+                  "q, rad", "rate before, rad/s", "rate after, rad/s", "deepest overlap, m"}};
   for (const Evaluation* run : runs) {
     for (std::size_t i = 0; i < run->outcome.impacts.size(); ++i) {
       const Impact& impact = run->outcome.impacts[i];
@@ -84,33 +76,22 @@ report::Table impacts(Evaluator& evaluator, const std::vector<const Evaluation*>
 
 }  // namespace
 
-Section wall_pendulum(Laboratory& laboratory, Findings&) {
+Content wall_pendulum(Laboratory& laboratory, Findings&) {
   Evaluator& evaluator = laboratory.evaluator(scenario_name);
   const Scenario& scenario = evaluator.scenario();
-  Section section{"wall-pendulum", "A link against a wall", {}};
   std::vector<const Evaluation*> runs;
-  std::string missing;
   for (const std::string& name : scenario.methods) {
-    if (const Evaluation* const run = laboratory.run(scenario_name, name)) {
-      runs.push_back(run);
-    } else {
-      missing += (missing.empty() ? "" : ", ") + name;
-    }
+    if (const Evaluation* const run = laboratory.run(scenario_name, name)) runs.push_back(run);
   }
-  section.blocks.emplace_back(report::Text{fmt::format(
-      "Chapter 6 of the report: a link of {} m on a hinge at x = {} m falls from the horizontal against a wall with "
-      "its "
-      "face at x = {} m and a restitution of {}. ODE finds the wall by its collision detection; the other methods stop "
-      "where the link's outline touches it, which the closed form knows exactly.",
-      scenario.links.front().length_m, scenario.problem->frame.hinge_m[0], scenario.wall->face_m,
-      scenario.wall->restitution)});
-  if (!missing.empty()) {
-    section.blocks.emplace_back(
-        report::Text{fmt::format("Not in this build: {} ({}).", missing, catalogue::why_missing)});
-  }
-  section.blocks.emplace_back(traces(evaluator, runs));
-  section.blocks.emplace_back(impacts(evaluator, runs));
-  return section;
+  Content content;
+  content.values = {{"length", scenario.links.front().length_m},
+                    {"hinge", scenario.problem->frame.hinge_m[0]},
+                    {"face", scenario.wall->face_m},
+                    {"restitution", scenario.wall->restitution},
+                    {"left_out", left_out(scenario.methods)}};
+  content.exhibits.emplace_back(traces(evaluator, runs));
+  content.exhibits.emplace_back(impacts(evaluator, runs));
+  return content;
 }
 
 }  // namespace odeval::experiments

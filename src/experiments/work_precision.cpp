@@ -132,52 +132,33 @@ void add_rows(report::Table& table, const Diagram& diagram, double until_s) {
 
 }  // namespace
 
-Section work_precision(Laboratory& laboratory, Findings&) {
+Content work_precision(Laboratory& laboratory, Findings&) {
   const Scenario& file = laboratory.scenario("double_pendulum");
   std::vector<const Method*> methods;
-  std::string missing;
+  std::vector<std::string> claiming;
   for (const Method& method : catalogue::methods()) {
     if (!method.claims(*file.problem)) continue;
-    if (method.make != nullptr) {
-      methods.push_back(&method);
-    } else {
-      missing += (missing.empty() ? "" : ", ") + std::string(method.name);
-    }
+    claiming.emplace_back(method.name);
+    if (method.make != nullptr) methods.push_back(&method);
   }
-  report::Table table{"work-precision",
-                      "Work and precision of every method",
-                      {"until, s", "method", "setting", "error, rad", "the reference's uncertainty, rad", "steps",
-                       "evaluations", "CPU time, ms", "± ms"},
-                      {},
-                      fmt::format("Median and median absolute deviation of {} rounds in turns, the stepping alone. "
-                                  "Errors are the largest at {} s apart. A method is followed until its error is "
-                                  "below the reference's uncertainty, its run would take more than {} steps, or rtol "
-                                  "comes to {}; atol is rtol / 1000.",
-                                  rounds, shown(0.05), most_steps, tightest_rtol)};
-  report::Figure figure{
-      "work-precision-figure",
-      "Work-precision diagram of the double pendulum",
-      "Each point is a method at one step or tolerance. Lower is more accurate, further left is cheaper. First-order "
-      "methods fall by one decade a decade of time, fourth-order ones by four. Errors above 0.1 rad are of runs that "
-      "are lost.",
-      {},
-      2};
+  report::Table table{.name = "work-precision",
+                      .columns = {"until, s", "method", "setting", "error, rad", "the reference's uncertainty, rad",
+                                  "steps", "evaluations", "CPU time, ms", "± ms"}};
+  report::Figure figure{.name = "work-precision-figure", .columns = 2};
   for (const double until_s : untils_s) {
     const Diagram diagram = measure(file, methods, until_s);
     figure.panels.push_back(panel_of(diagram, until_s));
     add_rows(table, diagram, until_s);
   }
-  Section section{"work-precision", "What an error costs: work and precision", {}};
-  section.blocks.emplace_back(report::Text{
-      "Benchmarks of solvers plot the error that is left over the time that was spent, over steps or tolerances of all "
-      "sizes. A vertical line through the diagram compares methods at equal cost, a horizontal one at equal error."});
-  if (!missing.empty()) {
-    section.blocks.emplace_back(
-        report::Text{fmt::format("Not in this build: {} ({}).", missing, catalogue::why_missing)});
-  }
-  section.blocks.emplace_back(std::move(figure));
-  section.blocks.emplace_back(std::move(table));
-  return section;
+  Content content;
+  content.values = {{"rounds", rounds},
+                    {"rows_apart", shown(0.05)},
+                    {"most_steps", most_steps},
+                    {"tightest_rtol", tightest_rtol},
+                    {"left_out", left_out(claiming)}};
+  content.exhibits.emplace_back(std::move(figure));
+  content.exhibits.emplace_back(std::move(table));
+  return content;
 }
 
 }  // namespace odeval::experiments

@@ -19,11 +19,11 @@ using Cell = std::variant<double, std::string, Missing>;
 
 /// A table of the page, and a file `DIR/report/NAME.csv` with all digits.
 struct Table {
-  std::string name;  // file stem and anchor: "order"
-  std::string title;
-  std::vector<std::string> columns;  // with units: "error until 3 s, rad"
-  std::vector<std::vector<Cell>> rows;
-  std::string note;  // what one has to know to read it; may be empty
+  std::string name{};  // file stem and anchor: "order"
+  std::string title{};
+  std::vector<std::string> columns{};  // with units: "error until 3 s, rad"
+  std::vector<std::vector<Cell>> rows{};
+  std::string note{};  // what one has to know to read it; may be empty
 };
 
 enum class Mark { line, points, line_and_points };
@@ -57,19 +57,19 @@ struct Panel {
 
 /// One or more plots that are read together.
 struct Figure {
-  std::string name;  // anchor: "fig-5-13"
-  std::string title;
-  std::string caption;
-  std::vector<Panel> panels;
+  std::string name{};  // anchor: "fig-5-13"
+  std::string title{};
+  std::string caption{};
+  std::vector<Panel> panels{};
   int columns = 1;  // panels beside each other on a wide page
 };
 
 /// A rendered PNG.
 struct Picture {
-  std::string name;
-  std::string title;
-  std::string caption;
-  std::string png;  // bytes
+  std::string name{};
+  std::string title{};
+  std::string caption{};
+  std::string png{};  // bytes
 };
 
 /// A paragraph of plain text; the page escapes it.

@@ -20,7 +20,4 @@ Page make_page(const Document& document, const std::vector<Judged>& verdicts, co
 /// "report/order.csv": where the page looks for a table's numbers.
 std::string csv_of(const Table& table);
 
-/// What the page is dressed in.
-extern const std::string_view style_sheet;
-
 }  // namespace odeval::report

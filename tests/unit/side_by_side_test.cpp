@@ -15,35 +15,57 @@ using namespace odeval;
 using experiments::Experiment;
 using experiments::Laboratory;
 
+constexpr const char* everything_said = R"(# All
+
+words
+
+[table table] A table
+n
+
+[figure figure] A figure
+caption
+
+[picture p] t
+c
+)";
+
 /// One of every kind of block, cell and optional part.
-report::Section everything(Laboratory&, report::Findings& findings) {
+report::Content everything(Laboratory&, report::Findings& findings) {
   findings.add("a.number", {"what it means", "m", 0.1, 1e-3, ""});
   findings.add("b.missing", {"what it would mean", "", std::nullopt, 0, "why there is none"});
-  report::Table table{
-      "table", "A table", {"x", "y"}, {{1.5, std::string("text")}, {report::Missing{"why"}, -0.0}}, "n"};
+  const report::Table table{
+      .name = "table", .columns = {"x", "y"}, .rows = {{1.5, std::string("text")}, {report::Missing{"why"}, -0.0}}};
   report::Panel panel{.x_label = "t, s", .y_label = "y", .log_y = true};
   panel.series = {{"a", {1, 2}, {3, NAN}, report::Mark::points, 4, true}, {"b", {}, {}}};
   panel.shade = report::Shade{0.5, "because"};
   panel.y_range = {{-1, 1}};
-  report::Figure figure{"figure", "A figure", "caption", {panel, {}}, 2};
-  return {"everything", "All", {report::Text{"words"}, table, figure, report::Picture{"p", "t", "c", {"\0png", 4}}}};
+  const report::Figure figure{.name = "figure", .panels = {panel, {}}, .columns = 2};
+  return {{}, {table, figure, report::Picture{.name = "p", .png = {"\0png", 4}}}};
 }
 
-report::Section fails(Laboratory&, report::Findings&) { throw MachineError("the disk is full"); }
-report::Section is_wrong(Laboratory&, report::Findings&) { throw UserError("no scenario named 'x'"); }
-report::Section dies(Laboratory&, report::Findings&) { _exit(3); }
-report::Section hangs(Laboratory&, report::Findings&) {
+report::Content fails(Laboratory&, report::Findings&) { throw MachineError("the disk is full"); }
+report::Content is_wrong(Laboratory&, report::Findings&) { throw UserError("no scenario named 'x'"); }
+report::Content dies(Laboratory&, report::Findings&) { _exit(3); }
+report::Content hangs(Laboratory&, report::Findings&) {
   for (;;) ::pause();
 }
-report::Section is_long(Laboratory&, report::Findings&) {
-  return {"long", "", {report::Text{std::string(1'000'000, 'x')}}};  // more than a pipe holds
+report::Content is_long(Laboratory&, report::Findings&) {
+  return {{{"words", std::string(1'000'000, 'x')}}, {}};  // more than a pipe holds
 }
 
-constexpr Experiment some[] = {
-    {"fails", "One that fails", fails}, {"everything", "All", everything},
-    {"dies", "One that dies", dies},    {"long", "", is_long},
-    {"everything", "All", everything},  {"is_wrong", "", is_wrong},
-};
+constexpr Experiment some[] = {{"fails",
+                                "# One that fails
+                                ", fails},      {" everything ", everything_said, everything},
+                                {"dies",
+                                 "# One that dies
+                                 ", dies},         {" long ", " #Long
+
+                                 {{words}} ", is_long},
+                                 {"everything", everything_said, everything},
+                                 {"is_wrong",
+                                  "# One that is wrong
+                                  ", is_wrong},
+                                 };
 
 std::string words(const report::Outcome& outcome) { return std::get<report::Text>(outcome.section.blocks.at(0)).text; }
 
@@ -69,7 +91,7 @@ void check(unsigned processes) {
   // What arrives is what was made here, to the last bit.
   report::Findings findings;
   report::Outcome own;
-  own.section = everything(laboratory, findings);
+  own.section = section_of(some[1], laboratory, findings);
   for (const auto& finding : findings.all()) own.findings.emplace_back(finding);
   CHECK(report::outcome_bytes(outcomes[1]) == report::outcome_bytes(own));
   CHECK(report::outcome_bytes(outcomes[4]) == report::outcome_bytes(own));
@@ -86,7 +108,7 @@ void check(unsigned processes) {
 
 // The program ends as a signal ends any program, though one of the experiments hangs.
 void stopped() {
-  constexpr Experiment few[] = {{"fails", "", fails}, {"hangs", "", hangs}};
+  constexpr Experiment few[] = {{"fails", "# One that fails\n", fails}, {"hangs", "# One that hangs\n", hangs}};
   const pid_t child = ::fork();
   if (child == 0) {
     Laboratory laboratory = no_laboratory();
