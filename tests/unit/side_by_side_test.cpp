@@ -53,19 +53,11 @@ report::Content is_long(Laboratory&, report::Findings&) {
   return {{{"words", std::string(1'000'000, 'x')}}, {}};  // more than a pipe holds
 }
 
-constexpr Experiment some[] = {{"fails",
-                                "# One that fails
-                                ", fails},      {" everything ", everything_said, everything},
-                                {"dies",
-                                 "# One that dies
-                                 ", dies},         {" long ", " #Long
-
-                                 {{words}} ", is_long},
-                                 {"everything", everything_said, everything},
-                                 {"is_wrong",
-                                  "# One that is wrong
-                                  ", is_wrong},
-                                 };
+constexpr Experiment some[] = {
+    {"fails", "# One that fails\n", fails},      {"everything", everything_said, everything},
+    {"dies", "# One that dies\n", dies},         {"long", "# Long\n\n{{words}}\n", is_long},
+    {"everything", everything_said, everything}, {"is_wrong", "# One that is wrong\n", is_wrong},
+};
 
 std::string words(const report::Outcome& outcome) { return std::get<report::Text>(outcome.section.blocks.at(0)).text; }
 
