@@ -53,7 +53,7 @@ int main() {
   }
   CHECK_EQUAL(errors.size(), 9u);
 
-  const report::Table table = runs.table("name", "title", "note");
+  const report::Table table = runs.table("name");
   CHECK_EQUAL(table.rows.size(), 10u);
   CHECK_EQUAL(number(table.rows[0][3]), runs.direct.error);
   CHECK_EQUAL(number(table.rows[0][5]), runs.direct.gap);
