@@ -1,7 +1,9 @@
 #pragma once
 // A method made more or less accurate: its step or its tolerance, and the cheapest of them that keeps an error.
+#include <array>
 #include <limits>
 #include <string>
+#include <string_view>
 
 #include "catalogue/evaluation.hpp"
 
@@ -15,6 +17,9 @@ enum class Knob {
 };
 
 inline constexpr double atol_over_rtol = 1e-3;
+
+/// Keys of a scenario file that a search chooses itself.
+inline constexpr std::array<std::string_view, 5> searched_keys{"step", "duration", "rtol", "atol", "sample"};
 
 Knob knob_of(const Method& method);
 std::string_view knob_name(Knob knob);  // "h", "rtol", ""

@@ -32,7 +32,7 @@ Trace read(const Method& method, const Scenario& scenario, const SampleGrid& gri
 // joint accelerations come from the hinges' own turning, which ODE does itself: it takes the velocities of the old pose
 // through the hinges of the new one. Two links that start at speed tell the difference, which is of first order.
 std::unique_ptr<Simulation> make_as_asked(const Method& method, const Scenario& scenario, const SampleGrid& grid) {
-  if (method.settings != Settings::ode || scenario.ode.start != Start::half_step) {
+  if (!has_half_step_start(method) || scenario.ode.start != Start::half_step) {
     return method.make(scenario, grid);
   }
   if (scenario.family() == Family::bodies) return method.make(reference::half_a_step_earlier(scenario), grid);

@@ -14,19 +14,15 @@
 namespace odeval::catalogue {
 namespace {
 
-// Keys of a scenario that the true motion does not know, and those that only say at which times it is looked at.
-constexpr std::array engine_sections{"ode", "maximal", "tolerances"};
-constexpr std::array engine_keys{"method", "methods", "rtol", "atol"};
+// Keys that only say at which times the true motion is looked at.
 constexpr std::array time_keys{"step", "sample", "duration"};
-// But a joint between bodies is the spring that these make of it.
-constexpr std::array softness_keys{"ode.erp", "ode.cfm", "ode.kp", "ode.kd"};
+// What makes the spring that a joint of bodies is: ERP and CFM are one at each step.
+constexpr std::array spring_keys{"step", "ode.erp", "ode.cfm", "ode.kp", "ode.kd"};
 
-bool moves_the_reference(const std::string& key, const Scenario& point) {
-  const auto is = [](std::string_view name) { return [name](const char* other) { return name == other; }; };
-  if (point.joint && std::ranges::any_of(softness_keys, is(key))) return true;
-  const std::string section = key.substr(0, key.find('.'));
-  return std::ranges::none_of(engine_sections, is(section)) && std::ranges::none_of(engine_keys, is(key)) &&
-         std::ranges::none_of(time_keys, is(key));
+bool moves_the_reference(const std::string& key, const Scenario& scenario) {
+  const auto is_key = [&](std::string_view other) { return other == key; };
+  if (scenario.joint && std::ranges::any_of(spring_keys, is_key)) return true;
+  return !is_engine_setting(key) && std::ranges::none_of(time_keys, is_key);
 }
 
 /// Up to the rounding that `compare` forgives.

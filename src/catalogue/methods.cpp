@@ -70,45 +70,71 @@ constexpr auto planar_joints = SystemMatrix::planar_joints;
 
 constexpr std::array table{
     Method{"ode-step-double", "ODE bodies and joints", "dWorldStep, double precision", cartesian, 1, 0, 0, every,
-           step_double, Settings::ode, hinge_rows_cfm},
+           step_double, step_settings, hinge_rows_cfm},
     Method{"ode-step-single", "ODE bodies and joints", "dWorldStep, single precision", cartesian, 1, 0, 0, every,
-           step_single, Settings::ode, hinge_rows_cfm},
+           step_single, step_settings, hinge_rows_cfm},
     Method{"ode-quickstep-double", "ODE bodies and joints", "dWorldQuickStep, double precision", cartesian, 1, 0, 0,
-           every, quickstep_double, Settings::ode, hinge_rows_cfm},
+           every, quickstep_double, quickstep_settings, hinge_rows_cfm},
     Method{"ode-quickstep-single", "ODE bodies and joints", "dWorldQuickStep, single precision", cartesian, 1, 0, 0,
-           every, quickstep_single, Settings::ode, hinge_rows_cfm},
+           every, quickstep_single, quickstep_settings, hinge_rows_cfm},
     Method{"ode-rk4-double", "ODE bodies and joints", "odeval's Runge-Kutta step beside ODE's collision detection",
-           cartesian, 4, 0, 0, for_accurate_step, make_accurate, Settings::ode_bounce, hinge_rows},
+           cartesian, 4, 0, 0, for_accurate_step, make_accurate, accurate_step_settings, hinge_rows},
     Method{reference_method, "closed-form Lagrangian", "SUNDIALS CVODE, Adams: the reference", generalized, 0,
            reference::tight_tolerances.rtol, reference::tight_tolerances.atol, pendulums_or_free, make_cvode,
-           Settings::none, mass_matrix},
+           tolerance_settings, mass_matrix},
     Method{"lagrange-quad", "closed-form Lagrangian", "extrapolation in quad precision: certifies the reference",
-           generalized, 0, 0, 0, one_or_two_links_without_wall, reference::make_quad, Settings::none, mass_matrix},
+           generalized, 0, 0, 0, one_or_two_links_without_wall, reference::make_quad, no_settings, mass_matrix},
     Method{"lagrange-ode45", "closed-form Lagrangian", "Dormand-Prince 5(4) as MATLAB's ode45", generalized, 0,
-           reference::ode45_rtol, reference::ode45_atol, one_link_or_no_wall, reference::make_ode45, Settings::none,
+           reference::ode45_rtol, reference::ode45_atol, one_link_or_no_wall, reference::make_ode45, tolerance_settings,
            mass_matrix},
     Method{"dh-ode45", "recursive Newton-Euler from DH parameters", "Dormand-Prince 5(4) as MATLAB's ode45",
            generalized, 0, reference::ode45_rtol, reference::ode45_atol, without_wall, reference::make_dh_ode45,
-           Settings::none, mass_matrix},
+           tolerance_settings, mass_matrix},
     Method{"lagrange-rk4", "closed-form Lagrangian", "classical Runge-Kutta, fixed step", generalized, 4, 0, 0,
-           one_link_or_no_wall, reference::make_rk4, Settings::none, mass_matrix},
+           one_link_or_no_wall, reference::make_rk4, no_settings, mass_matrix},
     Method{"lagrange-euler", "closed-form Lagrangian", "explicit Euler, fixed step", generalized, 1, 0, 0,
-           one_link_or_no_wall, reference::make_euler, Settings::none, mass_matrix},
+           one_link_or_no_wall, reference::make_euler, no_settings, mass_matrix},
     Method{"lagrange-symplectic-euler", "closed-form Lagrangian", "symplectic Euler, fixed step", generalized, 1, 0, 0,
-           one_link_or_no_wall, reference::make_symplectic_euler, Settings::none, mass_matrix},
+           one_link_or_no_wall, reference::make_symplectic_euler, no_settings, mass_matrix},
     Method{"maximal-euler", "Newton-Euler with Lagrange multipliers", "explicit Euler, fixed step", cartesian, 1, 0, 0,
-           one_or_two_links_without_wall, reference::make_maximal_euler, Settings::maximal, planar_joints},
+           one_or_two_links_without_wall, reference::make_maximal_euler, feedback_settings, planar_joints},
     Method{"maximal-rk4", "Newton-Euler with Lagrange multipliers", "classical Runge-Kutta, fixed step", cartesian, 4,
-           0, 0, one_or_two_links_without_wall, reference::make_maximal_rk4, Settings::maximal, planar_joints},
+           0, 0, one_or_two_links_without_wall, reference::make_maximal_rk4, feedback_settings, planar_joints},
     Method{"maximal-ode-step", "one dWorldStep rebuilt", "ODE's own scheme, fixed step", cartesian, 1, 0, 0,
-           one_link_or_no_wall, reference::make_maximal_ode_step, Settings::ode, hinge_rows_cfm},
+           one_link_or_no_wall, reference::make_maximal_ode_step, step_settings, hinge_rows_cfm},
     Method{"analytic", "closed form", "elliptic functions and the like", generalized, 0, 0, 0, closed_form,
-           make_analytic, Settings::none, mass_matrix},
+           make_analytic, no_settings, mass_matrix},
 };
 
 }  // namespace
 
 std::span<const Method> methods() { return table; }
+
+bool reads(const Method& method, std::string_view key, const Scenario& scenario) {
+  const auto settings = method.settings();
+  const auto found = std::ranges::find(settings, key, &EngineSetting::key);
+  return found != settings.end() && found->matters(scenario);
+}
+
+bool has_half_step_start(const Method& method) {
+  return std::ranges::find(method.settings(), std::string_view("ode.start"), &EngineSetting::key) !=
+         method.settings().end();
+}
+
+bool is_engine_setting(std::string_view key) { return !readers_of(key).empty(); }
+
+std::string readers_of(std::string_view key) {
+  std::string readers;
+  std::string_view acts_on;
+  for (const Method& method : table) {
+    for (const EngineSetting& setting : method.settings()) {
+      if (setting.key != key) continue;
+      readers += (readers.empty() ? "" : ", ") + std::string(method.name);
+      acts_on = setting.acts_on;
+    }
+  }
+  return acts_on.empty() ? readers : readers + " where there are " + std::string(acts_on);
+}
 
 std::vector<std::string> method_names() {
   std::vector<std::string> names;

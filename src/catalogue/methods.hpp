@@ -5,19 +5,11 @@
 #include <string_view>
 #include <vector>
 
+#include "catalogue/engine_settings.hpp"
 #include "measure/conditioning.hpp"
 #include "odeval/method.hpp"
 
 namespace odeval::catalogue {
-
-/// The table of the scenario file that a method obeys besides what holds for all. Those that obey [ode] step as ODE
-/// does: their stored velocities belong to half a step before (claim O1), and the half-step start is for them.
-enum class Settings {
-  none,
-  ode,
-  ode_bounce,  // of [ode] the bounce alone
-  maximal,
-};
 
 struct Method {
   std::string_view name;
@@ -29,9 +21,23 @@ struct Method {
   double atol;
   bool (*claims)(const Problem&);  // which problems it does
   MakeSimulation make;             // null: left out of this build
-  Settings settings = Settings::none;
+  std::span<const EngineSetting> (*settings)() = no_settings;
   SystemMatrix inverts = SystemMatrix::none;  // whose condition number the trace shows
 };
+
+/// Whether a key of the scenario file is a setting of the method that makes a difference in the scenario.
+bool reads(const Method& method, std::string_view key, const Scenario& scenario);
+
+/// Whether the method steps as ODE does: its stored velocities belong to half a step before (claim O1), and the
+/// half-step start is for it.
+bool has_half_step_start(const Method& method);
+
+/// Whether a key is a setting of some method's engine.
+bool is_engine_setting(std::string_view key);
+
+/// Which methods read an engine's setting, with commas, and on what it acts where that is not everything:
+/// "ode-step-double, ode-step-single where there are joints or contacts".
+std::string readers_of(std::string_view key);
 
 /// The name of the method that every error of a pendulum is measured against.
 inline constexpr std::string_view reference_method = "lagrange-cvode";

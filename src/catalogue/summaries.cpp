@@ -15,9 +15,9 @@ RunSummary summarise(const Evaluation& run, Evaluator& evaluator) {
   summary.grid = evaluator.grid();
   summary.method = method.name;
   summary.is_reference = method.name == reference_method_of(*scenario.problem) && !scenario.rtol && !scenario.atol;
-  summary.uses_ode = method.settings == Settings::ode;
-  summary.uses_bounce = method.settings == Settings::ode_bounce && (scenario.wall || scenario.ground);
-  summary.uses_maximal = method.settings == Settings::maximal;
+  summary.uses_ode = has_half_step_start(method);
+  summary.uses_bounce = !summary.uses_ode && reads(method, "ode.bounce", scenario);
+  summary.uses_maximal = reads(method, "maximal.ks", scenario);
   summary.rtol = in_effect(scenario.rtol, method.rtol);
   summary.atol = in_effect(scenario.atol, method.atol);
   summary.outcome = run.outcome;

@@ -27,15 +27,21 @@ struct Plan {
 };
 
 std::vector<Plan> plans_of(const BenchOptions& options) {
+  if (options.equal_error > 0) {
+    refuse_searched(options.settings.overrides(), catalogue::searched_keys, "--equal-error");
+  }
   std::vector<Plan> plans;
+  std::vector<Chosen> chosen;
   const auto names = options.scenarios.empty() ? scenario_names(catalogue::scenario_folder()) : options.scenarios;
   for (const std::string& name : names) {
     const Scenario scenario = options.settings.read(name);
     if (std::ranges::any_of(plans, [&](const Plan& plan) { return plan.evaluator.scenario().name == scenario.name; })) {
       throw UserError(name + ": a second scenario named '" + scenario.name + "'; give each a name of its own");
     }
-    plans.push_back({catalogue::Evaluator(scenario), chosen_methods(options.methods, scenario)});
+    chosen.push_back({scenario, chosen_methods(options.methods, scenario)});
+    plans.push_back({catalogue::Evaluator(scenario), chosen.back().methods});
   }
+  require_read(options.settings.overrides(), chosen);
   return plans;
 }
 
@@ -145,7 +151,7 @@ Action attach_bench(Flags& flags) {
   flags
       .add_option("--equal-error", options->equal_error,
                   "instead of equal steps: each method at the cheapest step or rtol whose angle error stays below E, "
-                  "rad; a --step or --rtol is not used")
+                  "rad")
       .type_name("E")
       .check(number_within(1e-15, 1.0));
   const Flag until = flags.add_option("--until", options->until, "until when the error has to stay below E, s")

@@ -61,10 +61,24 @@ std::vector<CheckRow> check_scenario(Scenario scenario) {
   return rows;
 }
 
+std::vector<const catalogue::Method*> methods_of_tolerances(const Scenario& scenario) {
+  std::vector<const catalogue::Method*> methods;
+  for (const catalogue::Method& method : catalogue::methods()) {
+    if (std::ranges::find(scenario.tolerances, method.name, &Tolerance::method) == scenario.tolerances.end()) continue;
+    methods.push_back(&method);
+  }
+  return methods;
+}
+
 int check(const Options& options) {
   std::vector<Scenario> scenarios;
   const auto names = options.scenarios.empty() ? scenario_names(catalogue::scenario_folder()) : options.scenarios;
-  for (const std::string& name : names) scenarios.push_back(options.settings.read(name));
+  std::vector<Chosen> chosen;
+  for (const std::string& name : names) {
+    scenarios.push_back(options.settings.read(name));
+    chosen.push_back({scenarios.back(), methods_of_tolerances(scenarios.back())});
+  }
+  require_read(options.settings.overrides(), chosen);
 
   std::vector<CheckRow> rows;
   {

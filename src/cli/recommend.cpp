@@ -63,12 +63,11 @@ struct Candidate {
   double mad_s = 0;
 };
 
-// Settings that the search chooses; a start that was asked for is kept.
-constexpr std::array searched{"step", "duration", "rtol", "atol", "sample", "ode.start"};
+constexpr std::string_view start_key = "ode.start";  // is searched as well, but for a start that was asked for
 
 bool start_is_asked_for(const Options& options) {
   return std::ranges::any_of(options.settings.overrides(),
-                             [](const Override& setting) { return setting.key == "ode.start"; });
+                             [](const Override& setting) { return setting.key == start_key; });
 }
 
 /// As a shell takes it for one word.
@@ -102,7 +101,7 @@ std::string command_of(const Candidate& candidate, const Options& options) {
     command += " --start as-given";
   }
   for (const Override& setting : options.settings.overrides()) {
-    if (std::ranges::find(searched, setting.key) != searched.end()) continue;
+    if (setting.key == start_key) continue;
     command += setting.origin == "--set" ? " --set " + in_shell(setting.key + "=" + setting.value)
                                          : " " + setting.origin + " " + in_shell(setting.value);
   }
@@ -282,18 +281,14 @@ std::string table_csv(const std::vector<Candidate>& candidates, const Options& o
 }
 
 int recommend(const Options& options) {
-  for (const Override& setting : options.settings.overrides()) {
-    if (setting.key != "ode.start" && std::ranges::find(searched, setting.key) != searched.end()) {
-      throw UserError((setting.origin == "--set" ? "--set " + setting.key + "=" : setting.origin + " ") +
-                      setting.value + ": is what 'odeval recommend' chooses; leave it out");
-    }
-  }
+  refuse_searched(options.settings.overrides(), catalogue::searched_keys, "'odeval recommend'");
   const Scenario scenario = options.settings.read(options.scenario);
   if (scenario.family() != Family::pendulum) {
     throw UserError(options.scenario + ": errors are looked for in angles, and problem '" +
                     std::string(scenario.problem->name) + "' has none; 'odeval sweep' takes any error");
   }
   const auto methods = chosen_methods(options.methods, scenario);
+  require_read(options.settings.overrides(), {{{scenario, methods}}});
   const double doubt = catalogue::Accuracy(scenario, options.until).doubt();
   if (doubt > options.max_error) {
     throw UserError(fmt::format(
@@ -309,7 +304,7 @@ int recommend(const Options& options) {
     for (const catalogue::Method* method : methods) {
       progress.next(scenario.name + " " + std::string(method->name));
       candidates.push_back(search.cheapest(*method, scenario.ode.start));
-      if (method->settings == catalogue::Settings::ode && !start_is_asked_for(options) &&
+      if (catalogue::has_half_step_start(*method) && !start_is_asked_for(options) &&
           scenario.ode.start != Start::half_step) {
         candidates.push_back(search.cheapest(*method, Start::half_step));
       }
@@ -378,9 +373,8 @@ Action attach_recommend(Flags& flags) {
   add_out_option(flags, options->out);
   flags.add_flag("--quiet", options->quiet, "no table, no progress");
   options->settings.attach(flags);
-  for (const char* key : searched) {
-    // Read, so that the refusal can say why, and no part of the help; a start may be asked for.
-    flags.hide(std::string("--") + key);
+  for (const std::string_view key : catalogue::searched_keys) {
+    flags.hide("--" + std::string(key));  // read, so that the refusal can say why; no part of the help
   }
   return [options] { return recommend(*options); };
 }

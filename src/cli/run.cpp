@@ -24,6 +24,7 @@ struct Options {
 int run(const Options& options) {
   const Scenario scenario = options.settings.read(options.scenario);
   const auto methods = chosen_methods(options.methods, scenario);
+  require_read(options.settings.overrides(), {{{scenario, methods}}});
   catalogue::Evaluator evaluator(scenario);
   const std::filesystem::path folder = std::filesystem::path(options.out) / scenario.name;
 

@@ -89,7 +89,35 @@ std::vector<Override> Settings::overrides() const {
     }
     overrides.push_back({set.substr(0, equals), set.substr(equals + 1), "--set"});
   }
+  for (auto one = overrides.begin(); one != overrides.end(); ++one) {
+    const auto first = std::ranges::find(overrides, one->key, &Override::key);
+    if (first != one) throw UserError(typed(*one) + ": " + one->key + " has a value from " + typed(*first) + " already");
+  }
   return overrides;
+}
+
+void require_read(const std::vector<Override>& settings, std::span<const Chosen> chosen) {
+  for (const Override& setting : settings) {
+    const std::string readers = catalogue::readers_of(setting.key);
+    if (readers.empty()) continue;  // no engine's: of the motion, or of when it is looked at
+    const bool read = std::ranges::any_of(chosen, [&](const Chosen& run) {
+      return std::ranges::any_of(run.methods, [&](const catalogue::Method* method) {
+        return catalogue::reads(*method, setting.key, run.scenario);
+      });
+    });
+    if (!read) {
+      throw UserError(fmt::format("{}: none of the methods of this run reads {}; it is for {}", typed(setting),
+                                  setting.key, readers));
+    }
+  }
+}
+
+void refuse_searched(const std::vector<Override>& settings, std::span<const std::string_view> searched,
+                     const std::string& who) {
+  for (const Override& setting : settings) {
+    if (std::ranges::find(searched, setting.key) == searched.end()) continue;
+    throw UserError(fmt::format("{}: is what {} chooses; leave it out", typed(setting), who));
+  }
 }
 
 void add_method_option(Flags& flags, std::vector<std::string>& methods) {

@@ -2,7 +2,9 @@
 // The settings every command that runs scenarios shares: flags on top of the scenario file.
 #include <deque>
 #include <filesystem>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "catalogue/methods.hpp"
@@ -19,7 +21,7 @@ class Settings {
   /// Reads a scenario by name or path with the flags on top. Throws UserError.
   Scenario read(const std::string& name_or_path) const;
 
-  /// The flags that were typed, in the order in which they count.
+  /// The flags that were typed, in the order in which they count. Throws UserError where two give the same key.
   std::vector<Override> overrides() const;
 
  private:
@@ -40,6 +42,19 @@ void add_out_option(Flags& flags, std::string& out);
 /// The methods to run: those asked for, or else the scenario's own list. A method of that list that is missing in this
 /// build or does not do the problem is left out with a line on stderr; one that was asked for is a UserError.
 std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::string>& asked, const Scenario& scenario);
+
+/// A scenario in the methods chosen for it.
+struct Chosen {
+  Scenario scenario;
+  std::vector<const catalogue::Method*> methods;
+};
+
+/// Throws UserError for a setting of an engine that none of the methods reads in its scenario.
+void require_read(const std::vector<Override>& settings, std::span<const Chosen> chosen);
+
+/// Throws UserError for a setting that a search chooses itself: a key of `searched`. `who` chooses it.
+void refuse_searched(const std::vector<Override>& settings, std::span<const std::string_view> searched,
+                     const std::string& who);
 
 /// The file of a scenario by name or path. Throws UserError.
 std::filesystem::path scenario_file(const std::string& name_or_path);

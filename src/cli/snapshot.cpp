@@ -243,6 +243,7 @@ std::vector<render::Pose> shown_poses(catalogue::Evaluator& evaluator, const std
 int snapshot(const Options& options) {
   const Scenario scenario = options.settings.read(options.scenario);
   const auto methods = chosen_methods(options.methods, scenario);
+  require_read(options.settings.overrides(), {{{scenario, methods}}});
   const Size size = parse_size(options.size);
   const render::View view = parse_camera(options.camera);
   catalogue::Evaluator evaluator(scenario);

@@ -66,10 +66,10 @@ std::vector<sweep::Axis> axes_of(const Options& options, const std::vector<Overr
   return axes;
 }
 
-/// The scenario as the first run of the grid has it: flags may need what only the grid gives.
-Scenario first_of(const ScenarioFile& file, std::vector<Override> settings, const std::vector<sweep::Axis>& axes) {
+/// The settings of the first run of the grid: flags may need what only the grid gives.
+std::vector<Override> first_of(std::vector<Override> settings, const std::vector<sweep::Axis>& axes) {
   for (const sweep::Axis& axis : axes) settings.push_back({axis.key, axis.values.front(), "--grid"});
-  return file.read(settings, known_names());
+  return settings;
 }
 
 std::string versions_text() {
@@ -134,11 +134,12 @@ int sweep_grid(const Options& options) {
   const ScenarioFile file(scenario_file(options.scenario));
   const std::vector<Override> settings = options.settings.overrides();
   std::vector<sweep::Axis> axes = axes_of(options, settings);
-  const Scenario base = first_of(file, settings, axes);
-  sweep::Axis& methods = axes.emplace_back(sweep::Axis{"method", {}});
-  for (const catalogue::Method* method : chosen_methods(options.methods, base)) {
-    methods.values.emplace_back(method->name);
-  }
+  const std::vector<Override> first = first_of(settings, axes);
+  const Scenario base = file.read(first, known_names());
+  const auto methods = chosen_methods(options.methods, base);
+  require_read(first, {{{base, methods}}});
+  sweep::Axis& last = axes.emplace_back(sweep::Axis{"method", {}});
+  for (const catalogue::Method* method : methods) last.values.emplace_back(method->name);
   catalogue::GridRuns runs(file, settings, known_names(), sweep::Grid(std::move(axes)));
   const sweep::Head head{base.name,           sweep::parse_shard(options.shard),
                          runs.grid().axes(),  result_columns(),

@@ -86,7 +86,7 @@ Content free_box(Laboratory& laboratory, Findings& findings) {
         const Evaluation run = evaluator.evaluate(*method);
         const Metrics all = evaluator.measure(run, scenario.duration_s);
         const Metrics early = evaluator.measure(run, early_s);
-        const bool of_ode = method->settings == catalogue::Settings::ode;
+        const bool of_ode = catalogue::has_half_step_start(*method);
         table.rows.push_back({std::string(which.name), std::string(name), step_s, *all.max_error_position,
                               of_ode ? Cell(law) : Cell(std::string("-")), *all.position_uncertainty,
                               *early.max_error_turn, *early.turn_uncertainty, *all.max_error_turn,

@@ -10,4 +10,7 @@ struct Override {
   std::string origin;  // what the user typed: --erp, --set
 };
 
+/// The setting as the user typed it: `--erp 1.5`, `--set q0=[1.0]`.
+std::string typed(const Override& setting);
+
 }  // namespace odeval

@@ -22,7 +22,4 @@ toml::table toml_tree(const std::filesystem::path& file, std::string_view text);
 /// Puts the settings into the tree. Throws UserError for a value that is no TOML and a key that leads nowhere.
 void apply(toml::table& tree, const std::vector<Override>& overrides);
 
-/// The setting as the user typed it: `--erp 1.5`, `--set q0=[1.0]`.
-std::string typed(const Override& setting);
-
 }  // namespace odeval
