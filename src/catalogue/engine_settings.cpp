@@ -7,29 +7,19 @@ namespace {
 
 bool anywhere(const Scenario&) { return true; }
 bool touching(const Scenario& scenario) { return scenario.wall || scenario.ground; }
-bool constrained(const Scenario& scenario) {
-  return !scenario.links.empty() || scenario.joint || touching(scenario);
-}
+bool constrained(const Scenario& scenario) { return !scenario.links.empty() || scenario.joint || touching(scenario); }
 bool rubbing(const Scenario& scenario) { return scenario.ground && scenario.ground->friction > 0; }
 
 constexpr EngineSetting on_constraints(std::string_view key) { return {key, constrained, "joints or contacts"}; }
 constexpr EngineSetting on_contacts(std::string_view key) { return {key, touching, "contacts"}; }
 
-constexpr std::array of_quickstep{on_constraints("ode.iterations"),
-                                  on_constraints("ode.sor_w"),
-                                  on_constraints("ode.seed"),
-                                  // and what dWorldStep reads as well:
-                                  on_constraints("ode.erp"),
-                                  on_constraints("ode.cfm"),
-                                  on_constraints("ode.kp"),
-                                  on_constraints("ode.kd"),
-                                  on_contacts("ode.bounce"),
-                                  on_contacts("ode.bounce_vel"),
-                                  on_contacts("ode.max_correcting_vel"),
-                                  on_contacts("ode.surface_layer"),
-                                  EngineSetting{"ode.friction_axes", rubbing, "friction"},
-                                  EngineSetting{"ode.start", anywhere, ""},
-                                  EngineSetting{"ode.gyroscopic", anywhere, ""}};
+constexpr std::array of_quickstep{
+    on_constraints("ode.iterations"), on_constraints("ode.sor_w"), on_constraints("ode.seed"),
+    // and what dWorldStep reads as well:
+    on_constraints("ode.erp"), on_constraints("ode.cfm"), on_constraints("ode.kp"), on_constraints("ode.kd"),
+    on_contacts("ode.bounce"), on_contacts("ode.bounce_vel"), on_contacts("ode.max_correcting_vel"),
+    on_contacts("ode.surface_layer"), EngineSetting{"ode.friction_axes", rubbing, "friction"},
+    EngineSetting{"ode.start", anywhere, ""}, EngineSetting{"ode.gyroscopic", anywhere, ""}};
 constexpr std::size_t only_quickstep = 3;
 constexpr std::array of_accurate_step{on_contacts("ode.bounce")};
 constexpr std::array of_feedback{EngineSetting{"maximal.ks", anywhere, ""}, EngineSetting{"maximal.kd", anywhere, ""}};

@@ -37,8 +37,10 @@ GridRuns::GridRuns(const ScenarioFile& file, std::vector<Override> settings, Nam
 
 Scenario GridRuns::scenario(long run) const {
   std::vector<Override> settings = settings_;
-  const std::vector<std::string> values = grid_.values(run);
-  for (std::size_t i = 0; i + 1 < values.size(); ++i) settings.push_back({grid_.axes()[i].key, values[i], "--grid"});
+  const std::vector<std::size_t> places = grid_.places(run);
+  for (std::size_t i = 0; i + 1 < places.size(); ++i) {
+    settings.push_back({grid_.axes()[i].key, grid_.axes()[i].values[places[i]], "--grid"});
+  }
   Scenario scenario = file_.read(settings, names_);
   scenario.tolerances.clear();
   if (!scenario.sample_s) {
@@ -56,17 +58,23 @@ std::vector<std::uint32_t> GridRuns::groups(const std::function<void(long run)>&
   };
   std::map<std::vector<std::size_t>, std::vector<Kind>> kinds;  // by the values that move the reference, 0 for others
 
-  const auto methods = static_cast<long>(grid_.axes().back().values.size());
   std::vector<std::uint32_t> groups(static_cast<std::size_t>(grid_.runs()));
   first_of_group_.clear();
-  for (long run = 0; run < grid_.runs(); run += methods) {
+  std::vector<std::size_t> point_before;  // but for the method
+  for (long run = 0; run < grid_.runs(); ++run) {
+    std::vector<std::size_t> places = grid_.places(run);
+    places.pop_back();
+    if (places == point_before) {
+      groups[static_cast<std::size_t>(run)] = groups[static_cast<std::size_t>(run - 1)];
+      continue;
+    }
     if (checked) checked(run);
     const Scenario point = scenario(run);
     for (const std::string& name : grid_.axes().back().values) {
       require_claim(find_method(name), *point.problem, "--method");
     }
     const SampleGrid times = sample_grid(point);
-    std::vector<std::size_t> key = grid_.places(run);
+    std::vector<std::size_t> key = places;
     for (std::size_t i = 0; i < key.size(); ++i) {
       if (!moves_the_reference(grid_.axes()[i].key, point)) key[i] = 0;
     }
@@ -76,7 +84,8 @@ std::vector<std::uint32_t> GridRuns::groups(const std::function<void(long run)>&
       kind = alike.insert(alike.end(), {static_cast<std::uint32_t>(first_of_group_.size()), times});
       first_of_group_.push_back(run);
     }
-    std::fill_n(groups.begin() + run, methods, kind->group);
+    groups[static_cast<std::size_t>(run)] = kind->group;
+    point_before = std::move(places);
   }
   return groups;
 }

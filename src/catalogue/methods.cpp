@@ -106,22 +106,24 @@ constexpr std::array table{
            make_analytic, no_settings, mass_matrix},
 };
 
+bool has(const Method& method, std::string_view key) {
+  return std::ranges::any_of(method.settings(), [&](const EngineSetting& setting) { return setting.key == key; });
+}
+
 }  // namespace
 
 std::span<const Method> methods() { return table; }
 
 bool reads(const Method& method, std::string_view key, const Scenario& scenario) {
-  const auto settings = method.settings();
-  const auto found = std::ranges::find(settings, key, &EngineSetting::key);
-  return found != settings.end() && found->matters(scenario);
+  const auto is_it = [&](const EngineSetting& setting) { return setting.key == key && setting.matters(scenario); };
+  return std::ranges::any_of(method.settings(), is_it);
 }
 
-bool has_half_step_start(const Method& method) {
-  return std::ranges::find(method.settings(), std::string_view("ode.start"), &EngineSetting::key) !=
-         method.settings().end();
-}
+bool has_half_step_start(const Method& method) { return has(method, "ode.start"); }
 
-bool is_engine_setting(std::string_view key) { return !readers_of(key).empty(); }
+bool is_engine_setting(std::string_view key) {
+  return std::ranges::any_of(table, [&](const Method& method) { return has(method, key); });
+}
 
 std::string readers_of(std::string_view key) {
   std::string readers;

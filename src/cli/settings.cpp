@@ -91,15 +91,15 @@ std::vector<Override> Settings::overrides() const {
   }
   for (auto one = overrides.begin(); one != overrides.end(); ++one) {
     const auto first = std::ranges::find(overrides, one->key, &Override::key);
-    if (first != one) throw UserError(typed(*one) + ": " + one->key + " has a value from " + typed(*first) + " already");
+    if (first != one)
+      throw UserError(typed(*one) + ": " + one->key + " has a value from " + typed(*first) + " already");
   }
   return overrides;
 }
 
 void require_read(const std::vector<Override>& settings, std::span<const Chosen> chosen) {
   for (const Override& setting : settings) {
-    const std::string readers = catalogue::readers_of(setting.key);
-    if (readers.empty()) continue;  // no engine's: of the motion, or of when it is looked at
+    if (!catalogue::is_engine_setting(setting.key)) continue;  // of the motion, or of when it is looked at
     const bool read = std::ranges::any_of(chosen, [&](const Chosen& run) {
       return std::ranges::any_of(run.methods, [&](const catalogue::Method* method) {
         return catalogue::reads(*method, setting.key, run.scenario);
@@ -107,7 +107,7 @@ void require_read(const std::vector<Override>& settings, std::span<const Chosen>
     });
     if (!read) {
       throw UserError(fmt::format("{}: none of the methods of this run reads {}; it is for {}", typed(setting),
-                                  setting.key, readers));
+                                  setting.key, catalogue::readers_of(setting.key)));
     }
   }
 }

@@ -72,6 +72,17 @@ std::vector<Override> first_of(std::vector<Override> settings, const std::vector
   return settings;
 }
 
+/// The methods that a setting of an engine means nothing to.
+std::vector<std::string> unread_by(const std::string& key, const std::vector<const catalogue::Method*>& methods,
+                                   const Scenario& scenario) {
+  std::vector<std::string> names;
+  for (const catalogue::Method* method : methods) {
+    if (catalogue::is_engine_setting(key) && !catalogue::reads(*method, key, scenario))
+      names.emplace_back(method->name);
+  }
+  return names;
+}
+
 std::string versions_text() {
   std::string text;
   for (const auto& [name, version] : catalogue::versions()) text += name + ' ' + version + '\n';
@@ -138,6 +149,7 @@ int sweep_grid(const Options& options) {
   const Scenario base = file.read(first, known_names());
   const auto methods = chosen_methods(options.methods, base);
   require_read(first, {{{base, methods}}});
+  for (sweep::Axis& axis : axes) axis.unread_by = unread_by(axis.key, methods, base);
   sweep::Axis& last = axes.emplace_back(sweep::Axis{"method", {}});
   for (const catalogue::Method* method : methods) last.values.emplace_back(method->name);
   catalogue::GridRuns runs(file, settings, known_names(), sweep::Grid(std::move(axes)));

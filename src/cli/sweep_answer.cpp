@@ -83,8 +83,9 @@ std::vector<std::string> keys_of(const Head& head) {
 /// The method that errors are measured against.
 std::string_view reference_of(const Head& head) {
   std::vector<Override> settings;
-  const std::vector<std::string> values = sweep::Grid(head.axes).values(0);
-  for (std::size_t i = 0; i + 1 < values.size(); ++i) settings.push_back({head.axes[i].key, values[i], "--grid"});
+  for (std::size_t i = 0; i + 1 < head.axes.size(); ++i) {
+    settings.push_back({head.axes[i].key, head.axes[i].values.front(), "--grid"});
+  }
   const Scenario scenario = ScenarioFile(head.scenario + ".toml", head.settings).read(settings, known_names());
   return catalogue::reference_method_of(*scenario.problem);
 }
@@ -140,11 +141,12 @@ std::string picture(const Journal& journal, const std::vector<Point>& points, co
   report::Panel panel;
   panel.x_label = "CPU time of the run, s";
   panel.y_label = metric + unit_of(metric) + ", at most";
-  const auto& methods = head.axes.back().values;
-  for (const std::string& method : methods) panel.series.push_back({method, {}, {}, report::Mark::points});
+  const sweep::Grid grid(head.axes);
+  for (const std::string& method : head.axes.back().values)
+    panel.series.push_back({method, {}, {}, report::Mark::points});
   const std::size_t every = points.size() / most_drawn + 1;
   for (std::size_t i = 0; i < points.size(); i += every) {
-    report::Series& series = panel.series[static_cast<std::size_t>(points[i].run) % methods.size()];
+    report::Series& series = panel.series[grid.places(points[i].run).back()];
     series.x.push_back(points[i].cost);
     series.y.push_back(points[i].error);
   }

@@ -131,29 +131,44 @@ Axis parse_axis(const std::string& text, const std::function<bool(const std::str
 
 Grid::Grid(std::vector<Axis> axes) : axes_(std::move(axes)) {
   std::set<std::string> keys;
+  std::size_t product = 1;
   for (const Axis& axis : axes_) {
     if (!keys.insert(axis.key).second) throw UserError("--grid " + shown(axis.key) + ": stands twice");
-    runs_ *= static_cast<long>(axis.values.size());
-    if (runs_ > most_runs) {
+    product *= axis.values.size();
+    if (product > most_runs) {
       throw UserError("--grid " + shown(axis.key) + ": makes more than " + std::to_string(most_runs) + " runs");
     }
   }
+  const std::vector<std::string> methods = axes_.empty() ? std::vector<std::string>() : axes_.back().values;
+  for (const std::string& method : methods) {
+    for (const Axis& axis : axes_) unread_.push_back(std::ranges::find(axis.unread_by, method) != axis.unread_by.end());
+  }
+  for (std::uint32_t place = 0; place < product; ++place) {
+    const std::vector<std::size_t> chosen = unpacked(place);
+    bool again = false;  // differs from another run only in what its method does not read
+    for (std::size_t i = 0; i < chosen.size(); ++i) again = again || (chosen[i] != 0 && !reads(chosen.back(), i));
+    if (!again) places_.push_back(place);
+  }
 }
 
-std::vector<std::size_t> Grid::places(long run) const {
-  std::vector<std::size_t> places(axes_.size());
-  auto rest = static_cast<std::size_t>(run);
+std::vector<std::size_t> Grid::unpacked(std::uint32_t place) const {
+  std::vector<std::size_t> chosen(axes_.size());
+  std::size_t rest = place;
   for (std::size_t i = axes_.size(); i-- > 0;) {
-    places[i] = rest % axes_[i].values.size();
+    chosen[i] = rest % axes_[i].values.size();
     rest /= axes_[i].values.size();
   }
-  return places;
+  return chosen;
 }
+
+std::vector<std::size_t> Grid::places(long run) const { return unpacked(places_[static_cast<std::size_t>(run)]); }
 
 std::vector<std::string> Grid::values(long run) const {
   const std::vector<std::size_t> chosen = places(run);
   std::vector<std::string> values;
-  for (std::size_t i = 0; i < axes_.size(); ++i) values.push_back(axes_[i].values[chosen[i]]);
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    values.push_back(reads(chosen.back(), i) ? axes_[i].values[chosen[i]] : "");
+  }
   return values;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-// The runs of a sweep: the cross product of lists of values.
+// The runs of a sweep: the cross product of lists of values, each run once.
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -7,8 +8,9 @@
 namespace odeval::sweep {
 
 struct Axis {
-  std::string key;                  // of the scenario file, or "method"
-  std::vector<std::string> values;  // as --set spells them
+  std::string key;                       // of the scenario file, or "method"
+  std::vector<std::string> values;       // as --set spells them
+  std::vector<std::string> unread_by{};  // methods that the key means nothing to: it does not multiply their runs
 };
 
 /// Most runs one sweep may have: each costs a few bytes of memory.
@@ -21,20 +23,25 @@ Axis parse_axis(const std::string& text, const std::function<bool(const std::str
 
 class Grid {
  public:
-  /// Throws UserError when a key stands twice or the runs are too many.
+  /// The last axis is the method. Throws UserError when a key stands twice or the runs are too many.
   explicit Grid(std::vector<Axis> axes);
 
   const std::vector<Axis>& axes() const { return axes_; }
-  long runs() const { return runs_; }
+  long runs() const { return static_cast<long>(places_.size()); }
 
-  /// Which value of each axis a run has. The last axis changes fastest.
+  /// Which value of each axis a run has: the first, where its method does not read the key. The last axis changes
+  /// fastest.
   std::vector<std::size_t> places(long run) const;
-  /// Those values.
+  /// Those values; none, "", where its method does not read the key.
   std::vector<std::string> values(long run) const;
 
  private:
+  std::vector<std::size_t> unpacked(std::uint32_t place) const;
+  bool reads(std::size_t method, std::size_t axis) const { return !unread_[method * axes_.size() + axis]; }
+
   std::vector<Axis> axes_;
-  long runs_ = 1;
+  std::vector<bool> unread_;           // by method and axis
+  std::vector<std::uint32_t> places_;  // in the cross product, of each run
 };
 
 /// One of several parts of a grid that are done in different places: one run of every `count` that follow each other,

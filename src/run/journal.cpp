@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view format = "odeval sweep 1";
+constexpr std::string_view format = "odeval sweep 2";
 constexpr std::size_t checksum_digits = 8;
 constexpr std::size_t longest_line = 64 << 20;  // a head names every value of the grid
 constexpr std::array<std::string_view, statuses> names{"ok", "diverged", "crashed", "timeout"};
@@ -68,7 +68,7 @@ std::vector<std::string> unpack(std::string_view line) {
 }
 
 std::string packed(const Axis& axis) {
-  std::vector<std::string> fields{axis.key};
+  std::vector<std::string> fields{axis.key, pack(axis.unread_by)};
   fields.insert(fields.end(), axis.values.begin(), axis.values.end());
   return pack(fields);
 }
@@ -141,10 +141,11 @@ std::optional<Head> head_of(std::string_view line) {
   if (fields.size() != 7 || fields[0] != format) return std::nullopt;
   Head head{fields[1], {}, {}, unpack(fields[3]), fields[4], fields[5]};
   for (const std::string& field : unpack(fields[2])) {
-    std::vector<std::string> values = unpack(field);
-    std::string key = values.front();
-    values.erase(values.begin());
-    head.axes.push_back({std::move(key), std::move(values)});
+    const std::vector<std::string> parts = unpack(field);
+    if (parts.size() < 3) return std::nullopt;
+    std::vector<std::string> unread_by;
+    if (!parts[1].empty()) unread_by = unpack(parts[1]);
+    head.axes.push_back({parts[0], {parts.begin() + 2, parts.end()}, std::move(unread_by)});
   }
   try {
     head.shard = parse_shard(fields[6]);
