@@ -56,6 +56,19 @@ void products() {
   CHECK_THROWS(Grid({{"a", thousand}, {"b", thousand}}), UserError, "1000000");
 }
 
+// A key that a method does not read multiplies the runs of the others alone, and has no value in its rows.
+void unread_keys() {
+  const Grid grid({{"erp", {"1", "2"}, {"rk4", "quad"}}, {"step", {"x", "y"}}, {"method", {"ode", "rk4", "quad"}}});
+  std::string all;
+  for (long run = 0; run < grid.runs(); ++run) {
+    const std::vector<std::string> values = grid.values(run);
+    all += values[0] + values[1] + values[2] + ' ';
+  }
+  CHECK_EQUAL(all, "1xode xrk4 xquad 1yode yrk4 yquad 2xode 2yode ");
+  CHECK(grid.places(1) == (std::vector<std::size_t>{0, 0, 1}));
+  CHECK(grid.places(7) == (std::vector<std::size_t>{1, 1, 0}));
+}
+
 // Every run is in one shard, shards are as long as each other to one run, and none has all of one method.
 void shards() {
   for (const long count : {1, 2, 3, 7}) {
@@ -111,6 +124,7 @@ void fronts() {
 int main() {
   axes();
   products();
+  unread_keys();
   shards();
   fronts();
   return odeval::test::verdict();

@@ -206,6 +206,8 @@ const std::vector<Case> cases{
      {"ode.erp=0.2,0.5", "ode.cfm=0.0,1e-5"},
      {"ode.sor_w=1.0,1.3"},
      {"joint.anchor=[0,0,1.5],[0,0,1.4]", "joint.axis=[0,1,0],[1,0,0]", "joint.kind=\"hinge\",\"ball\""}},
+    // ERP is another spring at another step, also where the rows stand at the same times.
+    {"open_hinge", "sample=0.01", {"step=0.001,0.002"}, {}},
 };
 
 struct Pair {
