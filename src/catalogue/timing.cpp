@@ -21,6 +21,7 @@ double mean_seconds(TimedRun& run, Clock clock) {
   const double seconds = clock() - start;
   run.steps = outcome.steps;
   run.evaluations = outcome.evaluations;
+  if (outcome.diverged) run.diverged = outcome.reason;
   return seconds / run.batch;
 }
 
@@ -49,7 +50,8 @@ TimingRow timing_row(const TimedRun& timed) {
   row.method = timed.method->name;
   row.step_s = evaluator.grid().step_s;
   row.steps = timed.steps;
-  row.simulated_s = evaluator.grid().time(evaluator.grid().rows - 1);
+  row.simulated_s = timed.diverged.empty() ? evaluator.grid().time(evaluator.grid().rows - 1)
+                                           : static_cast<double>(timed.steps) * row.step_s;
   row.repeats = static_cast<int>(timed.seconds.size());
   row.median_s = timed.median_s();
   row.mad_s = timed.mad_s();

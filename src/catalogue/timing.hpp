@@ -2,6 +2,7 @@
 // CPU times of runs that take turns, so that a machine that slows down slows all of them.
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "catalogue/evaluation.hpp"
@@ -17,6 +18,7 @@ struct TimedRun {
   long evaluations = 0;         // of the equations of motion; 0 for an engine that does not say
   std::vector<double> seconds;  // CPU time of the stepping alone, one a round
   int batch = 1;                // runs that one time is the mean of
+  std::string diverged{};       // why the run blew up, which ended its steps; empty: it did not
 
   double median_s() const;
   double mad_s() const;  // median absolute deviation

@@ -1,6 +1,8 @@
 // odeval bench: what a step costs. Methods take turns, so that a machine that slows down slows all of them.
 #include "cli/bench.hpp"
 
+#include <fmt/format.h>
+
 #include <iostream>
 
 #include "catalogue/equal_error.hpp"
@@ -63,13 +65,19 @@ int bench_at_equal_steps(const BenchOptions& options) {
   std::vector<Plan> plans = plans_of(options);
   std::vector<TimingRow> rows;
   std::vector<Table52Row> table_5_2;
+  std::string diverged;
   {
     Progress progress(plans.size() * static_cast<std::size_t>(options.repeats + 1), options.quiet);
     for (Plan& plan : plans) {
       std::vector<catalogue::TimedRun> runs;
       for (const catalogue::Method* method : plan.methods) runs.push_back({&plan.evaluator, method, 0, 0, {}});
       time_with_progress(runs, plan.evaluator.scenario().name, options.repeats, progress);
-      for (const auto& run : runs) rows.push_back(catalogue::timing_row(run));
+      for (const auto& run : runs) {
+        rows.push_back(catalogue::timing_row(run));
+        if (run.diverged.empty()) continue;
+        diverged += fmt::format("odeval: {} {} diverged: {}; its times are of the {} steps until then\n",
+                                rows.back().scenario, run.method->name, run.diverged, run.steps);
+      }
       if (catalogue::is_of_table_5_2(plan.evaluator.scenario())) {
         table_5_2 = catalogue::table_5_2_rows(std::span(rows).last(runs.size()));
       }
@@ -91,7 +99,8 @@ int bench_at_equal_steps(const BenchOptions& options) {
     }
     std::cout << "\nCPU time of the stepping alone. Wrote " << folder.string() << "/timing.csv\n";
   }
-  return 0;
+  std::cerr << diverged;
+  return diverged.empty() ? 0 : 1;
 }
 
 std::vector<EqualErrorRow> at_equal_error(const Plan& plan, const BenchOptions& options, double until_s,
