@@ -9,7 +9,7 @@
 namespace odeval::reference {
 namespace {
 
-constexpr double doubt = 10;
+constexpr double uncertainty = 10;
 constexpr double least_rad = 1e-15;
 
 /// The largest difference of an angle.
@@ -64,7 +64,7 @@ Reference solve_long_chain(const Scenario& scenario, const SampleGrid& grid, Tol
     }
     trace.kinetic[k] = tight.equations().kinetic(y);
     trace.potential[k] = tight.equations().potential(y);
-    reference.uncertainty_q[k] = k == 0 ? 0 : doubt * difference + least_rad;
+    reference.uncertainty_q[k] = k == 0 ? 0 : uncertainty * difference + least_rad;
     const auto forces = tight.equations().forces(y);
     for (std::size_t i = 0; i < n; ++i) {
       for (std::size_t d = 0; d < 3; ++d) {

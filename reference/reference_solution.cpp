@@ -107,12 +107,12 @@ class Uncertainty {
     if (tight.struck()) {
       const Impact& impact = tight.impacts().back();
       const double rate = std::copysign(std::max(std::fabs(impact.qd_before), unknown_speed), impact.qd_before);
-      const bool doubtful = std::fabs(impact.qd_before) < 2 * unknown_speed;
+      const bool uncertain = std::fabs(impact.qd_before) < 2 * unknown_speed;
       impact_s_ = (end_ + tight.stop_uncertainty()) / std::fabs(rate) + time_rounding(tight.end());
       independent_.add_independent({tight.stop_uncertainty() / factor_, 0});
       independent_.carry(saltation(tight.restitution(), rate, pull));
       aligned_.carry(saltation(tight.restitution(), rate, pull));
-      if (doubtful) independent_.add_independent({0, both_ways * unknown_speed / factor_});
+      if (uncertain) independent_.add_independent({0, both_ways * unknown_speed / factor_});
     } else if (*tight.turn_height() < 2 * unknown_height) {
       // A graze that may have been a touch, as fast as a fall from the stop to the turn, early or late in the step.
       const double fall = unknown_height + std::max(-*tight.turn_height(), 0.0);

@@ -25,8 +25,8 @@
 // A chain of more than two links has a simpler bound (long_chain_reference.hpp).
 //
 // The half and the fifth are experience, at the tolerances below. certified_test.cpp and reference_test.cpp check that
-// the bound covers; check_terms and check_grazes in the latter fail without either term, or without the doubt about a
-// graze.
+// the bound covers; check_terms and check_grazes in the latter fail without either term, or without the uncertainty
+// about a graze.
 #include "odeval/reference.hpp"
 #include "odeval/scenario.hpp"
 #include "reference/cvode_solver.hpp"

@@ -47,7 +47,7 @@ struct MetricRow {
   std::string_view unit;
   std::string_view meaning;
   std::optional<double> (*value)(const Metrics&);  // empty: no meaning here, or never happened
-  std::string_view doubt =
+  std::string_view uncertainty =
       {};  // the metric that bounds how far the reference itself is off; empty: no error against it
 };
 

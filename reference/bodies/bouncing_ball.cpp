@@ -120,17 +120,17 @@ class BouncingBalls final : public BodyMotion {
 
   // The time of an impact is a sum of positive terms, each good to some roundings; the height between impacts is off by
   // its own rounding and by that of the time at the speed of the first impact, which none of the later ones has.
-  BodyDoubt doubt(double t) const override {
-    BodyDoubt doubt;
+  BodyUncertainty uncertainty(double t) const override {
+    BodyUncertainty uncertainty;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       const Body& body = bodies_[i];
       const auto length = [](const Vec3& v) { return std::sqrt(dot(v, v)); };
       const double way = length(body.position_m) + t * (length(body.velocity_m_s) + length(gravity_) * t / 2) +
                          t * bounces_[i].first_speed();
-      doubt.position_m = std::fmax(doubt.position_m, 16 * epsilon * way);
-      doubt.turn_rad = std::fmax(doubt.turn_rad, 4 * epsilon * (1 + t * length(body.spin_rad_s)));
+      uncertainty.position_m = std::fmax(uncertainty.position_m, 16 * epsilon * way);
+      uncertainty.turn_rad = std::fmax(uncertainty.turn_rad, 4 * epsilon * (1 + t * length(body.spin_rad_s)));
     }
-    return doubt;
+    return uncertainty;
   }
 
   // The impacts of a ball that comes to rest are without end: those count that are faster than a billionth of the

@@ -42,7 +42,7 @@ Deflection DampedOscillator::at(double t, const Deflection& start) const {
 }
 
 // The phase of an oscillation and the exponent of a decay are known to the rounding of rate times time.
-double DampedOscillator::doubt(double t, const Deflection& start) const {
+double DampedOscillator::uncertainty(double t, const Deflection& start) const {
   constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
   const double a = kd_Ns_m / mass_kg / 2;
   const double w = std::sqrt(kp_N_m / mass_kg);

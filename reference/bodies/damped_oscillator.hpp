@@ -22,7 +22,7 @@ struct DampedOscillator {
   double force(const Deflection& now) const { return -kp_N_m * now.x - kd_Ns_m * now.v; }
 
   /// Bound on the rounding of `at`'s x, m: tests/oracle/spring_joint_test.cpp holds it against more digits.
-  double doubt(double t, const Deflection& start) const;
+  double uncertainty(double t, const Deflection& start) const;
 };
 
 /// One step of ODE with one row of a joint. The row asks for a velocity after the step of -ERP/h x, less CFM times the

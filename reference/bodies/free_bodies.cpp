@@ -42,22 +42,22 @@ class Rotating {
 
   FreeBody::Turning at(double t) const { return motion_.at(t); }
 
-  struct Doubt {
+  struct Uncertainty {
     double turn_rad;
     double spin_rad_s;
   };
-  Doubt doubt(double t) const {
+  Uncertainty uncertainty(double t) const {
     const FreeBody::Turning here = motion_.at(t);
     const double spin = length(here.spin_rad_s);
-    Doubt doubt{rounding * (1 + t * spin), rounding * spin};
+    Uncertainty uncertainty{rounding * (1 + t * spin), rounding * spin};
     for (const FreeBody& other : beside_) {
       const FreeBody::Turning there = other.at(t);
       const Vec3 between{there.spin_rad_s[0] - here.spin_rad_s[0], there.spin_rad_s[1] - here.spin_rad_s[1],
                          there.spin_rad_s[2] - here.spin_rad_s[2]};
-      doubt.turn_rad += rounding / nudge * angle_between(here.attitude, there.attitude);
-      doubt.spin_rad_s += rounding / nudge * length(between);
+      uncertainty.turn_rad += rounding / nudge * angle_between(here.attitude, there.attitude);
+      uncertainty.spin_rad_s += rounding / nudge * length(between);
     }
-    return doubt;
+    return uncertainty;
   }
 
  private:
@@ -89,19 +89,19 @@ class FreeBodies final : public BodyMotion {
     }
   }
 
-  BodyDoubt doubt(double t) const override {
-    BodyDoubt doubt;
+  BodyUncertainty uncertainty(double t) const override {
+    BodyUncertainty uncertainty;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       const Body& body = bodies_[i];
       for (std::size_t k = 0; k < 3; ++k) {
         const double way = std::fabs(body.position_m[k]) + t * (std::fabs(body.velocity_m_s[k]) + gravity_ * t / 2);
-        doubt.position_m = std::fmax(doubt.position_m, rounding * way);
+        uncertainty.position_m = std::fmax(uncertainty.position_m, rounding * way);
       }
-      const Rotating::Doubt of_turning = rotating_[i].doubt(t);
-      doubt.turn_rad = std::fmax(doubt.turn_rad, of_turning.turn_rad);
-      doubt.spin_rad_s = std::fmax(doubt.spin_rad_s, of_turning.spin_rad_s);
+      const Rotating::Uncertainty of_turning = rotating_[i].uncertainty(t);
+      uncertainty.turn_rad = std::fmax(uncertainty.turn_rad, of_turning.turn_rad);
+      uncertainty.spin_rad_s = std::fmax(uncertainty.spin_rad_s, of_turning.spin_rad_s);
     }
-    return doubt;
+    return uncertainty;
   }
 
   std::string described() const override {

@@ -11,7 +11,7 @@
 namespace odeval::reference {
 
 /// How far a motion may itself be off, of the worst body.
-struct BodyDoubt {
+struct BodyUncertainty {
   double position_m = 0;
   double turn_rad = 0;
   double spin_rad_s = 0;
@@ -26,7 +26,7 @@ class BodyMotion {
   virtual void at(double t, std::span<BodyState> bodies) const = 0;
 
   /// Bound on the error of `at`.
-  virtual BodyDoubt doubt(double t) const = 0;
+  virtual BodyUncertainty uncertainty(double t) const = 0;
 
   /// Of the first body with the ground, up to a time.
   virtual std::vector<Impact> impacts(double) const { return {}; }

@@ -161,7 +161,7 @@ class SlidingBox final : public BodyMotion {
 
   // Terms of one sign, each good to some roundings, of which none is larger than what the box could cover without
   // friction; the slope alone is taken from a sine.
-  BodyDoubt doubt(double t) const override {
+  BodyUncertainty uncertainty(double t) const override {
     const double way = std::sqrt(dot(body_.position_m, body_.position_m)) + t * (speed_ + pull_ * t);
     return {64 * epsilon * way, 4 * epsilon};
   }

@@ -64,10 +64,10 @@ Reference solve_body_reference(const Scenario& scenario, const SampleGrid& grid)
       trace.long_axis_spin[i].push_back(
           dot({r[axis], r[3 + axis], r[6 + axis]}, {states[i].spin[0], states[i].spin[1], states[i].spin[2]}));
     }
-    const BodyDoubt doubt = motion->doubt(t);
-    reference.uncertainty_position.push_back(doubt.position_m);
-    reference.uncertainty_turn.push_back(doubt.turn_rad);
-    reference.uncertainty_spin.push_back(doubt.spin_rad_s);
+    const BodyUncertainty uncertainty = motion->uncertainty(t);
+    reference.uncertainty_position.push_back(uncertainty.position_m);
+    reference.uncertainty_turn.push_back(uncertainty.turn_rad);
+    reference.uncertainty_spin.push_back(uncertainty.spin_rad_s);
   }
   if (scenario.joint) {
     for (const BodyColumns& body : trace.bodies) reference.joint_force.push_back(body.joint_force);

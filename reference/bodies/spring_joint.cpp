@@ -43,16 +43,16 @@ class JointMotion : public BodyMotion {
     }
   }
 
-  BodyDoubt doubt(double t) const final {
-    BodyDoubt doubt{0, 4 * epsilon};
+  BodyUncertainty uncertainty(double t) const final {
+    BodyUncertainty uncertainty{0, 4 * epsilon};
     double squares = 0;
-    for (std::size_t k = 0; k < 3; ++k) squares += std::pow(deflection_doubt(t, k), 2);
+    for (std::size_t k = 0; k < 3; ++k) squares += std::pow(deflection_uncertainty(t, k), 2);
     for (const Body& body : bodies_) {
       double way = std::fabs(t) * length(body.velocity_m_s) + gravity_ * t * t / 2;
       for (std::size_t k = 0; k < 3; ++k) way += std::fabs(body.position_m[k]) + std::fabs(joint_.displacement_m[k]);
-      doubt.position_m = std::fmax(doubt.position_m, std::sqrt(squares) + 4 * epsilon * way);
+      uncertainty.position_m = std::fmax(uncertainty.position_m, std::sqrt(squares) + 4 * epsilon * way);
     }
-    return doubt;
+    return uncertainty;
   }
 
  protected:
@@ -69,7 +69,7 @@ class JointMotion : public BodyMotion {
   }
 
   virtual Deflection deflection(double t, std::size_t axis) const = 0;
-  virtual double deflection_doubt(double t, std::size_t axis) const = 0;
+  virtual double deflection_uncertainty(double t, std::size_t axis) const = 0;
   virtual double force(double t, std::size_t axis) const = 0;
   /// How far a free body has fallen, and how fast it falls.
   virtual Deflection fall(double t) const { return {-gravity_ * t * t / 2, -gravity_ * t}; }
@@ -127,7 +127,9 @@ class SpringJoint final : public JointMotion {
   DampedOscillator along(std::size_t axis) const { return {mass(), spring_.kp_N_m, spring_.kd_Ns_m, pull(axis)}; }
 
   Deflection deflection(double t, std::size_t axis) const override { return along(axis).at(t, starts(axis)); }
-  double deflection_doubt(double t, std::size_t axis) const override { return along(axis).doubt(t, starts(axis)); }
+  double deflection_uncertainty(double t, std::size_t axis) const override {
+    return along(axis).uncertainty(t, starts(axis));
+  }
   double force(double t, std::size_t axis) const override { return along(axis).force(deflection(t, axis)); }
 
   Spring spring_;
@@ -152,7 +154,7 @@ class RigidJoint final : public JointMotion {
     if (n <= 0) return start;
     return {start.x * std::pow(1 - erp_, n), -erp_ / step_s_ * start.x * std::pow(1 - erp_, n - 1)};
   }
-  double deflection_doubt(double t, std::size_t axis) const override {
+  double deflection_uncertainty(double t, std::size_t axis) const override {
     return 4 * epsilon * (1 + std::fabs(steps(t))) * std::fabs(deflection(t, axis).x);
   }
   double force(double t, std::size_t axis) const override {

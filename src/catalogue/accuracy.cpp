@@ -86,7 +86,7 @@ Evaluator Accuracy::at(const Method& method, double setting) const {
 Trial Accuracy::try_setting(const Method& method, double setting) const {
   Trial trial;
   trial.setting = setting;
-  trial.doubt = doubt();
+  trial.uncertainty = uncertainty();
   try {
     Evaluator evaluator = at(method, setting);
     const Evaluation run = evaluator.evaluate(method);
@@ -98,7 +98,7 @@ Trial Accuracy::try_setting(const Method& method, double setting) const {
   return trial;
 }
 
-double Accuracy::doubt() const { return *std::ranges::max_element(reference_.uncertainty_q); }
+double Accuracy::uncertainty() const { return *std::ranges::max_element(reference_.uncertainty_q); }
 
 Search Accuracy::cheapest(const Method& method, double max_error, long most_steps) const {
   Search search;

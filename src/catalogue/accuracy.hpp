@@ -28,11 +28,11 @@ std::string_view knob_name(Knob knob);  // "h", "rtol", ""
 struct Trial {
   double setting = 0;                                      // h in s, or rtol
   double error = std::numeric_limits<double>::infinity();  // rad, largest until the end; infinite where the run failed
-  double doubt = 0;                                        // rad, the reference's uncertainty
+  double uncertainty = 0;                                  // rad, the reference's uncertainty
   long steps = 0;
   long evaluations = 0;  // of the equations of motion; 0 for an engine that does not say
 
-  bool keeps(double max_error) const { return error + doubt <= max_error; }
+  bool keeps(double max_error) const { return error + uncertainty <= max_error; }
 };
 
 /// The cheapest setting found, or why there is none.
@@ -60,15 +60,15 @@ class Accuracy {
   Trial try_setting(const Method& method, double setting) const;
 
   /// The largest step (to 2 %, and of those that fit the rows), or the loosest rtol (16 a decade, from 1e-2), that
-  /// keeps error and doubt together within max_error. Found by doubling the steps, or a decade of rtol at a time, and
-  /// then by bisection of the logarithm; a larger step that keeps the error by luck may stay unseen.
+  /// keeps error and uncertainty together within max_error. Found by doubling the steps, or a decade of rtol at a time,
+  /// and then by bisection of the logarithm; a larger step that keeps the error by luck may stay unseen.
   ///
   /// Not reached: when the next doubling would take more than `most_steps`, when rtol comes to 3e-15, or when the error
   /// no longer falls.
   Search cheapest(const Method& method, double max_error, long most_steps) const;
 
   /// Of the reference until the end, rad: no error below it can be told.
-  double doubt() const;
+  double uncertainty() const;
 
  private:
   Scenario scenario_;

@@ -15,7 +15,7 @@ std::vector<EqualErrorRow> at_equal_error(const Accuracy& accuracy, const std::s
   for (const Method* method : methods) {
     if (begins) begins(std::string(method->name) + ": searching");
     const Search search = accuracy.cheapest(*method, wanted.max_error, wanted.most_steps_tried);
-    EqualErrorRow row{scenario,      std::string(method->name), "", {}, search.trial.error, search.trial.doubt,
+    EqualErrorRow row{scenario,      std::string(method->name), "", {}, search.trial.error, search.trial.uncertainty,
                       search.why_not};
     row.knob = knob_name(knob_of(*method));
     if (!row.knob.empty()) row.setting = search.trial.setting;

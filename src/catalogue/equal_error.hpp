@@ -11,7 +11,7 @@
 namespace odeval::catalogue {
 
 struct EqualError {
-  double max_error;                   // rad; above accuracy.doubt()
+  double max_error;                   // rad; above accuracy.uncertainty()
   int repeats = 5;                    // timed rounds
   long most_steps_tried = 4'000'000;  // of one run of the search
 };

@@ -107,10 +107,10 @@ std::vector<EqualErrorRow> at_equal_error(const Plan& plan, const BenchOptions& 
                                           Progress& progress) {
   const Scenario& scenario = plan.evaluator.scenario();
   const catalogue::Accuracy accuracy(scenario, until_s);
-  if (accuracy.doubt() > options.equal_error) {
+  if (accuracy.uncertainty() > options.equal_error) {
     throw UserError("--equal-error " + number_text(options.equal_error) + ": must be above what the reference of '" +
-                    scenario.name + "' knows until " + number_text(until_s) + " s, " + number_text(accuracy.doubt()) +
-                    " rad");
+                    scenario.name + "' knows until " + number_text(until_s) + " s, " +
+                    number_text(accuracy.uncertainty()) + " rad");
   }
   return catalogue::at_equal_error(accuracy, scenario.name, plan.methods, {options.equal_error, options.repeats},
                                    [&](const std::string& what) { progress.next(scenario.name + " " + what); });

@@ -53,7 +53,7 @@ std::vector<CheckRow> check_scenario(Scenario scenario) {
                                             : runs.emplace(tolerance.method, evaluator.evaluate(method)).first->second;
       const Metrics metrics = evaluator.measure(run, tolerance.until_s);
       row.measured = judged_value(tolerance, metrics);
-      row.reference_uncertainty = doubt_of(tolerance, metrics);
+      row.reference_uncertainty = uncertainty_of(tolerance, metrics);
       row.verdict = verdict_of(judge(tolerance, metrics));
     }
     rows.push_back(row);

@@ -39,8 +39,9 @@ struct Options {
 constexpr long most_steps_of_a_search = 1'000'000;
 constexpr int timed_rounds = 5;
 constexpr double greatest_error = 1;  // rad
-// From the setting that keeps the error at the rows of the search to the one that keeps all of the budget at every
-// step: a little finer or much, but no more than so much at a time.
+// The search keeps the error at its own rows, 0.05 s apart; the run has to keep it, and the energy, at every step. So
+// the step, or rtol, is made smaller until it does: each time by the factor that the excess asks for, between these
+// two.
 constexpr int most_attempts = 24;
 constexpr double finer = 0.93;
 constexpr double farthest = 0.125;
@@ -55,7 +56,7 @@ struct Candidate {
   std::optional<double> sample_s{};  // where the scenario says which rows it wants: every step counts
   std::unique_ptr<catalogue::Evaluator> evaluator{};
   double error = std::numeric_limits<double>::infinity();
-  double doubt = 0;
+  double uncertainty = 0;
   double drift = std::numeric_limits<double>::infinity();
   long steps = 0;
   std::string why_not{};  // empty: it keeps the budget
@@ -123,7 +124,7 @@ class Search {
     if (!found.reached) {
       candidate.setting = found.trial.setting;
       candidate.error = found.trial.error;
-      candidate.doubt = found.trial.doubt;
+      candidate.uncertainty = found.trial.uncertainty;
       candidate.steps = found.trial.steps;
       candidate.why_not = found.why_not;
       return candidate;
@@ -145,9 +146,10 @@ class Search {
       candidate.setting *= factor;
       excess_before = excess;
     }
-    candidate.why_not = (candidate.error + candidate.doubt > options_.max_error ? "the error between the rows is larger"
-                                                                                : "the energy drifts more") +
-                        candidate.why_not;
+    candidate.why_not =
+        (candidate.error + candidate.uncertainty > options_.max_error ? "the error between the rows is larger"
+                                                                      : "the energy drifts more") +
+        candidate.why_not;
     return candidate;
   }
 
@@ -208,18 +210,19 @@ class Search {
     const SampleGrid& rows = candidate.evaluator->grid();
     const Metrics metrics = candidate.evaluator->measure(done, rows.time(rows.rows - 1));
     candidate.error = metrics.max_error_q.value_or(std::numeric_limits<double>::infinity());
-    candidate.doubt = metrics.reference_uncertainty.value_or(0);
+    candidate.uncertainty = metrics.reference_uncertainty.value_or(0);
     candidate.drift = metrics.max_energy_drift;
     candidate.steps = done.outcome.steps;
   }
 
   bool keeps(const Candidate& candidate) const {
-    return candidate.error + candidate.doubt <= options_.max_error && candidate.drift <= options_.max_energy_drift;
+    return candidate.error + candidate.uncertainty <= options_.max_error &&
+           candidate.drift <= options_.max_energy_drift;
   }
 
   /// How many times the budget.
   double excess_of(const Candidate& candidate) const {
-    return std::max((candidate.error + candidate.doubt) / options_.max_error,
+    return std::max((candidate.error + candidate.uncertainty) / options_.max_error,
                     candidate.drift / options_.max_energy_drift);
   }
 
@@ -272,7 +275,7 @@ std::string table_csv(const std::vector<Candidate>& candidates, const Options& o
     text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", candidate.method->name,
                         candidate.start == Start::half_step ? "half-step" : "as-given",
                         knob_name(catalogue::knob_of(*candidate.method)), number_text(candidate.setting),
-                        number_text(candidate.error), number_text(candidate.doubt), number_text(candidate.drift),
+                        number_text(candidate.error), number_text(candidate.uncertainty), number_text(candidate.drift),
                         candidate.steps, keeps ? number_text(candidate.median_s) : "",
                         keeps ? number_text(candidate.mad_s) : "", keeps ? 1 : 0, candidate.why_not,
                         csv_cell(command_of(candidate, options)));
@@ -289,12 +292,12 @@ int recommend(const Options& options) {
   }
   const auto methods = chosen_methods(options.methods, scenario);
   require_read(options.settings.overrides(), {{{scenario, methods}}});
-  const double doubt = catalogue::Accuracy(scenario, options.until).doubt();
-  if (doubt > options.max_error) {
+  const double uncertainty = catalogue::Accuracy(scenario, options.until).uncertainty();
+  if (uncertainty > options.max_error) {
     throw UserError(fmt::format(
         "--max-error {}: the reference of '{}' knows the angles to {} rad until {} s; {}take a shorter --until",
-        number_text(options.max_error), scenario.name, three_digits(doubt), number_text(options.until),
-        doubt < greatest_error ? "ask for more, or " : ""));
+        number_text(options.max_error), scenario.name, three_digits(uncertainty), number_text(options.until),
+        uncertainty < greatest_error ? "ask for more, or " : ""));
   }
 
   std::vector<Candidate> candidates;
@@ -329,7 +332,7 @@ int recommend(const Options& options) {
     TextTable table("llrrrrrl", {"method", "setting", "error, rad", "drift, J", "steps", "median, ms", "±", ""});
     for (const Candidate& c : candidates) {
       const bool keeps = c.why_not.empty();
-      table.add({std::string(c.method->name), setting_text(c), with_uncertainty(c.error, c.doubt),
+      table.add({std::string(c.method->name), setting_text(c), with_uncertainty(c.error, c.uncertainty),
                  std::isfinite(c.drift) ? three_digits(c.drift) : "-", std::to_string(c.steps),
                  keeps ? three_digits(1e3 * c.median_s) : "-", keeps ? three_digits(1e3 * c.mad_s) : "-",
                  keeps ? "" : "no: " + c.why_not});

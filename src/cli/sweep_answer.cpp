@@ -47,19 +47,19 @@ class ErrorOf {
   ErrorOf(const Head& head, const std::string& metric) : error_(place(head, metric)) {
     const auto table = metric_table();
     const auto row = std::ranges::find_if(table, [&](const MetricRow& r) { return r.name == metric; });
-    if (!row->doubt.empty()) doubt_ = place(head, std::string(row->doubt));
+    if (!row->uncertainty.empty()) uncertainty_ = place(head, std::string(row->uncertainty));
   }
 
   double value(const Row& row) const { return std::fabs(number_in(row.cells, error_)); }
   /// Of the reference; none where the metric does not depend on it.
-  std::optional<double> doubt(const Row& row) const {
-    if (!doubt_) return std::nullopt;
-    return number_in(row.cells, *doubt_);
+  std::optional<double> uncertainty(const Row& row) const {
+    if (!uncertainty_) return std::nullopt;
+    return number_in(row.cells, *uncertainty_);
   }
-  bool told(const Row& row) const { return value(row) > doubt(row).value_or(-1); }
+  bool told(const Row& row) const { return value(row) > uncertainty(row).value_or(-1); }
   /// What the error is no larger than. Errors below what the reference knows are not told apart.
   double bound(const Row& row) const {
-    const double known_to = doubt(row).value_or(0);
+    const double known_to = uncertainty(row).value_or(0);
     return std::max(value(row), known_to) + known_to;
   }
 
@@ -71,7 +71,7 @@ class ErrorOf {
   }
 
   std::size_t error_;
-  std::optional<std::size_t> doubt_;
+  std::optional<std::size_t> uncertainty_;
 };
 
 std::vector<std::string> keys_of(const Head& head) {
@@ -119,7 +119,7 @@ std::vector<Point> write_tables(const Journal& journal, const fs::path& stem, co
 std::string first_error(const Journal& journal) {
   const auto table = metric_table();
   for (const MetricRow& metric : table) {
-    if (metric.doubt.empty()) continue;
+    if (metric.uncertainty.empty()) continue;
     const ErrorOf error(journal.head(), std::string(metric.name));
     for (long run = 0; run < journal.runs(); ++run) {
       if (journal.has(run) && std::isfinite(error.value(journal.row(run)))) return std::string(metric.name);
@@ -209,11 +209,12 @@ int answer(const Journal& journal, const fs::path& folder, const AnswerOptions& 
   for (const Point& point : front) {
     const Row row = journal.row(point.run);
     const std::vector<std::string> values = grid.values(point.run);
-    const std::optional<double> doubt = error.doubt(row);
+    const std::optional<double> uncertainty = error.uncertainty(row);
     csv += fmt::format(
-        "{},{},{},{}", number_text(point.cost), number_text(error.value(row)), doubt ? number_text(*doubt) : "",
+        "{},{},{},{}", number_text(point.cost), number_text(error.value(row)),
+        uncertainty ? number_text(*uncertainty) : "",
         sweep_line(point.run, values, sweep::status_name(row.status), row.reason, row.cells, head.columns.size()));
-    std::vector<std::string> cells{three_digits(1e3 * point.cost), with_uncertainty(error.value(row), doubt)};
+    std::vector<std::string> cells{three_digits(1e3 * point.cost), with_uncertainty(error.value(row), uncertainty)};
     cells.insert(cells.end(), values.begin(), values.end());
     cells.push_back(number_text(number_in(row.cells, 0)));
     cells.push_back(std::to_string(point.run));

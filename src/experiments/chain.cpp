@@ -64,18 +64,18 @@ Errors measure_errors(const Scenario& file) {
                        {"Cartesian: ODE's system matrix", "condition", {}, colour_of("ode-step-double")}};
   for (const std::size_t n : error_sizes) {
     Evaluator evaluator(chain_of(file, n, until_s));
-    const double doubt = evaluator.reference().uncertainty_q.back();
+    const double uncertainty = evaluator.reference().uncertainty_q.back();
     std::vector<Cell> row{static_cast<double>(n)};
     double condition[2] = {};
     for (std::size_t i = 0; i < std::size(steppers); ++i) {
       const Evaluation run = evaluator.evaluate(*available(steppers[i]));
       const double error = error_until(evaluator, run, until_s);
-      result.errors[i].points.push_back({static_cast<double>(n), error, doubt});
+      result.errors[i].points.push_back({static_cast<double>(n), error, uncertainty});
       row.push_back(finite_cell(error));
       if (i == 0) condition[1] = median(run.trace.condition);
       if (i == 3) condition[0] = median(run.trace.condition);
     }
-    row.emplace_back(doubt);
+    row.emplace_back(uncertainty);
     for (std::size_t c = 0; c < 2; ++c) {
       row.emplace_back(condition[c]);
       result.conditions[c].points.push_back({static_cast<double>(n), condition[c], 0});

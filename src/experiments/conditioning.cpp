@@ -112,7 +112,7 @@ Content conditioning(Laboratory& laboratory, Findings& findings) {
   std::string without;
   double error_single = NAN;
   double error_redundant = NAN;
-  double doubt = NAN;
+  double uncertainty = NAN;
   for (const SetUp& set_up : all) {
     Evaluator evaluator(set_up.scenario);
     for (const double cfm : shown_cfms) {
@@ -129,7 +129,7 @@ Content conditioning(Laboratory& laboratory, Findings& findings) {
       if (&set_up == &redundant && cfm == 0) without = run.finished ? "it goes on by luck" : run.how;
       if (cfm == file.ode.cfm && &set_up == &single) {
         error_single = run.error;
-        doubt = *std::ranges::max_element(evaluator.reference().uncertainty_q);
+        uncertainty = *std::ranges::max_element(evaluator.reference().uncertainty_q);
       }
       if (cfm == file.ode.cfm && &set_up == &redundant) error_redundant = run.error;
     }
@@ -144,7 +144,7 @@ Content conditioning(Laboratory& laboratory, Findings& findings) {
                measured_ratio(fmt::format("angle error until {} s with every hinge twice over that with each once, CFM "
                                           "{}",
                                           until_s, file.ode.cfm),
-                              error_redundant, error_single, doubt, doubt));
+                              error_redundant, error_single, uncertainty, uncertainty));
 
   Content content;
   content.values = {{"until", until_s},

@@ -129,15 +129,15 @@ Content coordinates(Laboratory& laboratory, Findings& findings) {
                       .columns = {"method", "error until 3 s, rad", "the reference's uncertainty, rad",
                                   "condition number, median over the run"}};
   double error[std::size(compared)];
-  double doubt[std::size(compared)];
+  double uncertainty[std::size(compared)];
   double condition[std::size(compared)];
   Panel panel{.x_label = "t, s", .y_label = "condition number", .log_y = true};
   for (std::size_t i = 0; i < std::size(compared); ++i) {
     const Evaluation& run = *laboratory.run("double_pendulum", compared[i]);
     error[i] = error_until(evaluator, run, until_s);
-    doubt[i] = uncertainty_until(evaluator, run, until_s);
+    uncertainty[i] = uncertainty_until(evaluator, run, until_s);
     condition[i] = median(run.trace.condition);
-    table.rows.push_back({std::string(compared[i]), error[i], doubt[i], condition[i]});
+    table.rows.push_back({std::string(compared[i]), error[i], uncertainty[i], condition[i]});
     panel.series.push_back(curve(compared[i], run.trace.t, run.trace.condition, colour_of(compared[i])));
   }
   panel.shade = lost_shade(evaluator, *laboratory.run("double_pendulum", compared[0]));
@@ -148,21 +148,22 @@ Content coordinates(Laboratory& laboratory, Findings& findings) {
   const Evaluation control = evaluator.evaluate(projected);
   const double unfed_error = error_until(evaluator, unfed, until_s);
   const double control_error = error_until(evaluator, control, until_s);
-  table.rows.push_back({std::string("ode-step-double, ERP 0"), unfed_error, doubt[0], median(unfed.trace.condition)});
-  table.rows.push_back({std::string(projected.name), control_error, doubt[0], median(control.trace.condition)});
+  table.rows.push_back(
+      {std::string("ode-step-double, ERP 0"), unfed_error, uncertainty[0], median(unfed.trace.condition)});
+  table.rows.push_back({std::string(projected.name), control_error, uncertainty[0], median(control.trace.condition)});
 
   findings.add("C3.error_ratio",
                measured_ratio("error of dWorldStep over that of symplectic Euler in generalized coordinates, until 3 s",
-                              error[0], error[2], doubt[0], doubt[2]));
+                              error[0], error[2], uncertainty[0], uncertainty[2]));
   findings.add("C3.condition_ratio",
                measured_ratio("median condition number of ODE's system matrix over that of the generalized mass matrix",
                               condition[0], condition[2]));
   findings.add("coordinates.feedback_gain",
                measured_ratio("error of dWorldStep without feedback (ERP 0) over that with it, until 3 s", unfed_error,
-                              error[0], doubt[0], doubt[0]));
+                              error[0], uncertainty[0], uncertainty[0]));
   findings.add("coordinates.scheme_ratio",
                measured_ratio("error of dWorldStep over that of its own scheme in generalized coordinates, until 3 s",
-                              error[0], control_error, doubt[0], doubt[0]));
+                              error[0], control_error, uncertainty[0], uncertainty[0]));
 
   std::vector<Ladder> ladders;
   for (const double erp : laddered_erps) {

@@ -110,14 +110,14 @@ std::vector<Part> parts_of(Evaluator& evaluator) {
 Content error_sources(Laboratory& laboratory, Findings& findings) {
   report::Table table{.name = "error-sources", .columns = {"part", "measured as", "unit", "double pendulum", "chain"}};
   std::array<std::vector<Part>, 2> columns;
-  std::array<double, 2> doubt{};
+  std::array<double, 2> uncertainty{};
   const char* scenarios[] = {"double_pendulum", "chain"};
   for (std::size_t s = 0; s < 2; ++s) {
     Scenario scenario = laboratory.scenario(scenarios[s]);
     scenario.duration_s = until_s;
     Evaluator evaluator(scenario);
     columns[s] = parts_of(evaluator);
-    doubt[s] = evaluator.reference().uncertainty_q.back();
+    uncertainty[s] = evaluator.reference().uncertainty_q.back();
   }
   const auto cell = [](const Part& part) -> Cell {
     if (!part.value) return Missing{"this build has no single precision"};
@@ -129,12 +129,13 @@ Content error_sources(Laboratory& laboratory, Findings& findings) {
     table.rows.push_back({part.name, part.measured_as, part.unit, cell(part), cell(columns[1][i])});
   }
   table.rows.push_back({std::string("what the reference may itself be off by"), std::string("its stated bound"),
-                        std::string("rad"), doubt[0], doubt[1]});
+                        std::string("rad"), uncertainty[0], uncertainty[1]});
   const auto without_joints = [&](std::size_t s) { return shown(*columns[s][2].value / *columns[s][0].value); };
   for (std::size_t s = 0; s < 2; ++s) {
-    findings.add(fmt::format("sources.discretisation_share_{}", scenarios[s]),
-                 measured_ratio(fmt::format("first-order part of dWorldStep's error over all of it, {}", scenarios[s]),
-                                columns[s][1].value.value(), columns[s][0].value.value(), doubt[s], doubt[s]));
+    findings.add(
+        fmt::format("sources.discretisation_share_{}", scenarios[s]),
+        measured_ratio(fmt::format("first-order part of dWorldStep's error over all of it, {}", scenarios[s]),
+                       columns[s][1].value.value(), columns[s][0].value.value(), uncertainty[s], uncertainty[s]));
   }
   Content content;
   content.values = {{"until", until_s},

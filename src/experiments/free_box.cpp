@@ -68,7 +68,7 @@ Content free_box(Laboratory& laboratory, Findings& findings) {
   report::Series turned{fmt::format("angle until {} s, rad", early_s), {}, {}, report::Mark::line_and_points};
   report::Series fallen{"distance until 10 s, m", {}, {}, report::Mark::line_and_points};
   double off_the_law = 0;
-  double doubt = 0;
+  double uncertainty = 0;
 
   for (const Case& which : cases) {
     for (const double step_s : steps_s) {
@@ -95,7 +95,7 @@ Content free_box(Laboratory& laboratory, Findings& findings) {
         if (!which.tumbles) continue;
         if (std::string_view(name) == "ode-step-double") {
           off_the_law = std::fmax(off_the_law, std::fabs(*all.max_error_position - law));
-          doubt = std::fmax(doubt, *all.position_uncertainty);
+          uncertainty = std::fmax(uncertainty, *all.position_uncertainty);
           turned.x.push_back(step_s);
           turned.y.push_back(*early.max_error_turn);
           fallen.x.push_back(step_s);
@@ -121,7 +121,7 @@ Content free_box(Laboratory& laboratory, Findings& findings) {
   }
   over_steps.series = {turned, fallen};
   findings.add("free_box.off_the_law", measured("distance of dWorldStep's error from g h T / 2, largest of three steps",
-                                                "m", off_the_law, doubt));
+                                                "m", off_the_law, uncertainty));
 
   report::Figure figure{.name = "free-box-errors", .columns = 2};
   figure.panels = {std::move(over_steps), std::move(over_time)};

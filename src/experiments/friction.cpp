@@ -37,9 +37,9 @@ struct Slide {
   double true_way = 0;  // m
   double stops_s = 0;
   double true_stops_s = 0;
-  double turned_deg = 0;  // of that way, away from where it set out for
-  double error = 0;       // m, largest distance from the reference
-  double doubt = 0;       // m
+  double turned_deg = 0;   // of that way, away from where it set out for
+  double error = 0;        // m, largest distance from the reference
+  double uncertainty = 0;  // m
 };
 
 Slide slide(Scenario scenario, const Case& how, double direction_deg) {
@@ -113,7 +113,7 @@ Content friction(Laboratory& laboratory, Findings& findings) {
   Panel turns{.x_label = "direction of the slide, degrees", .y_label = "turned aside, degrees"};
   double straight = NAN;
   double diagonal = NAN;
-  double doubt = 0;
+  double uncertainty = 0;
   int colour = 0;
   for (const Case& how : cases) {
     report::Series way{std::string(how.label),        {},       {},
@@ -122,7 +122,7 @@ Content friction(Laboratory& laboratory, Findings& findings) {
     for (const double direction : directions_deg) {
       const Slide slid = slide(scenario, how, direction);
       table.rows.push_back({std::string(how.label), direction, slid.way, slid.true_way, slid.way / slid.true_way,
-                            slid.stops_s, slid.true_stops_s, slid.turned_deg, slid.error, slid.doubt});
+                            slid.stops_s, slid.true_stops_s, slid.turned_deg, slid.error, slid.uncertainty});
       way.x.push_back(direction);
       way.y.push_back(slid.way / slid.true_way);
       turned.x.push_back(direction);
@@ -134,14 +134,15 @@ Content friction(Laboratory& laboratory, Findings& findings) {
                      measured("time to a stop at 45 degrees to the axes of the pyramid over Coulomb's", "",
                               slid.stops_s / slid.true_stops_s, scenario.step_s / slid.true_stops_s));
       }
-      doubt = std::max(doubt, slid.doubt);
+      uncertainty = std::max(uncertainty, slid.uncertainty);
     }
     ways.series.push_back(std::move(way));
     turns.series.push_back(std::move(turned));
   }
-  findings.add("C14.anisotropy",
-               measured("friction of the pyramid at 45 degrees to its axes over that along one, less 1", "",
-                        straight / diagonal - 1, straight / diagonal * (doubt / straight + doubt / diagonal)));
+  findings.add(
+      "C14.anisotropy",
+      measured("friction of the pyramid at 45 degrees to its axes over that along one, less 1", "",
+               straight / diagonal - 1, straight / diagonal * (uncertainty / straight + uncertainty / diagonal)));
 
   report::Figure figure{.name = "friction-figure", .columns = 2};
   figure.panels = {std::move(ways), std::move(turns)};

@@ -38,7 +38,7 @@ struct Run {
   double step_s;
   double error;         // rad, as given
   double half_started;  // rad, with the half-step start
-  double doubt;         // rad, of the reference
+  double uncertainty;   // rad, of the reference
   TimeShift shift;
 };
 
@@ -59,10 +59,10 @@ Run measure_one(const Scenario& file, const Case& which, double step_s) {
           best_time_shift(usual.trace, evaluator.reference().trace, until_s, 2 * step_s).value()};
 }
 
-/// Nothing when too few errors are clear of doubt.
+/// Nothing when too few errors are clear of uncertainty.
 std::optional<ObservedOrder> order_of(const std::vector<Run>& runs, double (*error)(const Run&)) {
   std::vector<ErrorPoint> points;
-  for (const Run& run : runs) points.push_back({run.step_s, error(run), run.doubt});
+  for (const Run& run : runs) points.push_back({run.step_s, error(run), run.uncertainty});
   return observed_order(points, divergence_rad);
 }
 
@@ -73,7 +73,7 @@ double after_shift(const Run& run) { return run.shift.max_left; }
 void add_rows(report::Table& table, const Case& which, const std::vector<Run>& runs) {
   for (const Run& run : runs) {
     table.rows.push_back({which.label, run.step_s, run.error, run.shift.shift_s / run.step_s, run.shift.max_left,
-                          run.half_started, run.error / run.half_started, run.doubt});
+                          run.half_started, run.error / run.half_started, run.uncertainty});
   }
 }
 
@@ -112,13 +112,14 @@ void add_findings(Findings& findings, const Case& which, const std::vector<Run>&
   const Run& fine = *std::ranges::find(runs, fine_step_s, &Run::step_s);
   const std::string settings = fmt::format("{}, until {} s", which.label, until_s);
   const std::string end = which.findings;
-  findings.add("O1.shift" + end,
-               measured(fmt::format("how far ODE runs ahead of the reference, {}, h = {} s", settings, fine_step_s),
-                        "steps", fine.shift.shift_s / fine.step_s, fine.doubt / fine.shift.sensitivity / fine.step_s));
+  findings.add(
+      "O1.shift" + end,
+      measured(fmt::format("how far ODE runs ahead of the reference, {}, h = {} s", settings, fine_step_s), "steps",
+               fine.shift.shift_s / fine.step_s, fine.uncertainty / fine.shift.sensitivity / fine.step_s));
   findings.add("O1.gain" + end, measured_ratio(fmt::format("angle error as given over that with the half-step start, "
                                                            "{}, h = {} s",
                                                            settings, fine_step_s),
-                                               fine.error, fine.half_started, fine.doubt, fine.doubt));
+                                               fine.error, fine.half_started, fine.uncertainty, fine.uncertainty));
   const std::string meaning = "observed order with the half-step start, " + settings;
   const auto order = order_of(runs, half_started);
   findings.add("O1.order" + end,
@@ -161,7 +162,7 @@ struct Gains {
   std::vector<double> as_given;
   std::vector<double> started;
   std::vector<double> gain;
-  double doubt = 0;  // of the reference, the largest
+  double uncertainty = 0;  // of the reference, the largest
 };
 
 /// How the half-step start fares from impact to impact. What an impact is off by depends on where in a step it falls,
@@ -179,8 +180,9 @@ void add_impacts(report::Table& table, const Scenario& file, const char* unit) {
     const Trace usual = evaluator.evaluate(*available(method)).trace;
     const Trace started = evaluator.evaluate(*available(method), half_step_started(file.ode)).trace;
     const Reference& reference = evaluator.reference();
-    const Column& doubts = reference.uncertainty_q.empty() ? reference.uncertainty_position : reference.uncertainty_q;
-    const double doubt = std::ranges::max(doubts);
+    const Column& uncertainties =
+        reference.uncertainty_q.empty() ? reference.uncertainty_position : reference.uncertainty_q;
+    const double uncertainty = std::ranges::max(uncertainties);
     const double margin = 2 * scenario.step_s;  // the samples next to an impact differ by when it happened
     for (std::size_t s = 0; s < spans; ++s) {
       const double from_s = s == 0 ? 0 : impacts.at(s - 1).t + margin;
@@ -188,15 +190,15 @@ void add_impacts(report::Table& table, const Scenario& file, const char* unit) {
       gains[s].as_given.push_back(largest_between(usual, from_s, to_s));
       gains[s].started.push_back(largest_between(started, from_s, to_s));
       gains[s].gain.push_back(gains[s].as_given.back() / gains[s].started.back());
-      gains[s].doubt = std::max(gains[s].doubt, doubt);
+      gains[s].uncertainty = std::max(gains[s].uncertainty, uncertainty);
     }
   }
   const char* names[spans] = {"until the first impact", "from the first to the second", "from the second to the third"};
   for (std::size_t s = 0; s < spans; ++s) {
-    const auto& [as_given, started, gain, doubt] = gains[s];
+    const auto& [as_given, started, gain, uncertainty] = gains[s];
     std::vector<Cell> row{file.name,        std::string(names[s]), std::string(unit),
-                          median(as_given), median(started),       doubt};
-    if (median(started) > doubt) {
+                          median(as_given), median(started),       uncertainty};
+    if (median(started) > uncertainty) {
       row.insert(row.end(), {median(gain), std::ranges::min(gain), std::ranges::max(gain)});
     } else {
       row.insert(row.end(), 3, Missing{"no error is left that the reference could tell"});

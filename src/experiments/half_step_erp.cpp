@@ -34,9 +34,9 @@ struct Point {
   std::string scenario;
   double step_s;
   double erp;
-  std::vector<double> error{};     // rad, until each of the times, with the half-step start
-  std::vector<double> as_given{};  // rad, likewise, without it
-  std::vector<double> doubt{};     // rad, of the reference
+  std::vector<double> error{};        // rad, until each of the times, with the half-step start
+  std::vector<double> as_given{};     // rad, likewise, without it
+  std::vector<double> uncertainty{};  // rad, of the reference
 };
 
 Point measure_one(Evaluator& evaluator, const Case& which, double erp) {
@@ -49,7 +49,7 @@ Point measure_one(Evaluator& evaluator, const Case& which, double erp) {
   for (std::size_t i = 0; i < which.times; ++i) {
     point.error.push_back(error_until(evaluator, started, times_s[i]));
     point.as_given.push_back(error_until(evaluator, usual, times_s[i]));
-    point.doubt.push_back(uncertainty_until(evaluator, started, times_s[i]));
+    point.uncertainty.push_back(uncertainty_until(evaluator, started, times_s[i]));
   }
   return point;
 }
@@ -96,7 +96,7 @@ Content half_step_erp(Laboratory& laboratory, Findings& findings) {
       const Point& point = points.back();
       std::vector<report::Cell> row{point.scenario, point.step_s, point.erp};
       for (std::size_t time = 0; time < std::size(times_s); ++time) {
-        for (const auto& values : {point.error, point.as_given, point.doubt}) {
+        for (const auto& values : {point.error, point.as_given, point.uncertainty}) {
           row.push_back(time < values.size() ? report::Cell(values[time])
                                              : report::Missing{"not run so far: it would take ODE some seconds"});
         }
@@ -113,11 +113,12 @@ Content half_step_erp(Laboratory& laboratory, Findings& findings) {
     };
     const Point usual = find(0.2);
     const Point stiff = find(0.8);
-    findings.add(finding,
-                 measured_ratio(fmt::format("angle error until {} s with ERP 0.2 over that with ERP 0.8, half-step "
-                                            "start, {}, h = {} s",
-                                            times_s[until], which.scenario, which.step_s),
-                                usual.error[until], stiff.error[until], usual.doubt[until], stiff.doubt[until]));
+    findings.add(
+        finding,
+        measured_ratio(fmt::format("angle error until {} s with ERP 0.2 over that with ERP 0.8, half-step "
+                                   "start, {}, h = {} s",
+                                   times_s[until], which.scenario, which.step_s),
+                       usual.error[until], stiff.error[until], usual.uncertainty[until], stiff.uncertainty[until]));
   };
   gain("O2.gain", {"double_pendulum", fine_step_s}, 1);
   gain("O2.gain_chain", {"chain", coarse_step_s}, 0);

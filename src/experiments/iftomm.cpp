@@ -134,7 +134,7 @@ Content iftomm(Laboratory& laboratory, Findings& findings) {
     if (method.name == "ode-step-double") {
       findings.add("iftomm.ode-step-double_best",
                    measured("least error of dWorldStep over the whole time among the steps tried", "rad",
-                            reached.best.error, reached.best.doubt));
+                            reached.best.error, reached.best.uncertainty));
     }
     table.rows.push_back(std::move(row));
   }
@@ -165,7 +165,7 @@ Content iftomm(Laboratory& laboratory, Findings& findings) {
                     {"most_cartesian", most_steps_cartesian},
                     {"most_generalized", most_steps_generalized},
                     {"most_best", scenario.duration_s / accuracy.row_spacing_s() * best_settings_steps_a_row[1]},
-                    {"known", shown(accuracy.doubt())}};
+                    {"known", shown(accuracy.uncertainty())}};
   content.exhibits.emplace_back(report::Figure{.name = "iftomm-figure", .panels = {std::move(panel)}});
   content.exhibits.emplace_back(std::move(table));
   return content;

@@ -44,7 +44,7 @@ std::vector<ErrorPoint> errors_of(const catalogue::Method& method, const catalog
   for (int k = 0; k <= halvings; ++k) {
     const double h = accuracy.fitting_step(std::ldexp(largest_step_s, -k));
     const catalogue::Trial trial = accuracy.try_setting(method, h);
-    points.push_back({h, trial.error, trial.doubt + rounding_doubt(epsilon, trial.steps)});
+    points.push_back({h, trial.error, trial.uncertainty + rounding_uncertainty(epsilon, trial.steps)});
   }
   return points;
 }
@@ -67,7 +67,7 @@ bool is_of_ode(std::string_view name) { return name == "ode-step-double" || name
 void add_distance(Findings& findings, const std::string& name, const std::string& meaning,
                   const std::vector<Measured>& all, const auto& order_of) {
   double worst = -1;
-  double doubt = 0;
+  double uncertainty = 0;
   for (const Measured& one : all) {
     if (!is_of_ode(one.method->name)) continue;
     const std::optional<ObservedOrder> observed = order_of(one.points);
@@ -78,9 +78,9 @@ void add_distance(Findings& findings, const std::string& name, const std::string
     const double off = std::fabs(observed->order - 1);
     if (off <= worst) continue;
     worst = off;
-    doubt = observed->half_width;
+    uncertainty = observed->half_width;
   }
-  findings.add(name, measured(meaning, "", worst, doubt));
+  findings.add(name, measured(meaning, "", worst, uncertainty));
 }
 
 void add_orders(Findings& findings, const std::vector<Measured>& all) {
@@ -151,7 +151,8 @@ report::Figure lines(const std::vector<Measured>& all) {
     for (std::size_t i = 0; i < one.points.size(); ++i) {
       line.x.push_back(one.points[i].setting);
       line.y.push_back(one.points[i].error);
-      if (i + 1 == one.points.size() || one.points[i + 1].error < clear_of_doubt * one.points[i + 1].doubt) continue;
+      if (i + 1 == one.points.size() || one.points[i + 1].error < clear_of_uncertainty * one.points[i + 1].uncertainty)
+        continue;
       slope.x.push_back(one.points[i].setting);
       slope.y.push_back(std::log2(one.points[i].error / one.points[i + 1].error));
     }

@@ -35,7 +35,7 @@ constexpr Way ways[] = {
 
 struct Cost {
   double ns = 0;  // a step, median
-  double doubt = 0;
+  double uncertainty = 0;
 };
 
 /// The ways take turns.
@@ -85,7 +85,7 @@ Content orientation(Laboratory& laboratory, Findings& findings) {
     const reference::Kept kept = reference::keep_orientation(ways[i].keeps, motion, step_s, until_s, rows);
     worst[i] = std::ranges::max(kept.squeeze);
     table.rows.push_back(
-        {std::string(ways[i].label), worst[i], std::ranges::max(kept.error), cost[i].ns, cost[i].doubt});
+        {std::string(ways[i].label), worst[i], std::ranges::max(kept.error), cost[i].ns, cost[i].uncertainty});
     const int colour = static_cast<int>(i);
     squeeze.series.push_back(curve(ways[i].label, kept.t, above_zero(kept.squeeze), colour));
     error.series.push_back(curve(ways[i].label, kept.t, above_zero(kept.error), colour));
@@ -104,7 +104,7 @@ Content orientation(Laboratory& laboratory, Findings& findings) {
                                                 std::max(worst[3], worst_of_ode)));
   findings.add("C15.cost_ratio",
                measured_ratio("time of a normalised quaternion's step over that of a matrix made orthonormal",
-                              cost[3].ns, cost[1].ns, cost[3].doubt, cost[1].doubt));
+                              cost[3].ns, cost[1].ns, cost[3].uncertainty, cost[1].uncertainty));
 
   Content content;
   content.values = {{"until", until_s}, {"step", step_s}};

@@ -102,9 +102,9 @@ Finding measured(std::string meaning, std::string unit, double value, double unc
   return {std::move(meaning), std::move(unit), value, uncertainty, {}};
 }
 
-Finding measured_ratio(std::string meaning, double a, double b, double doubt_a, double doubt_b) {
+Finding measured_ratio(std::string meaning, double a, double b, double uncertainty_a, double uncertainty_b) {
   const double ratio = a / b;
-  return measured(std::move(meaning), "", ratio, (doubt_a + std::fabs(ratio) * doubt_b) / std::fabs(b));
+  return measured(std::move(meaning), "", ratio, (uncertainty_a + std::fabs(ratio) * uncertainty_b) / std::fabs(b));
 }
 
 Finding unavailable(std::string meaning, std::string unit, std::string why) {

@@ -50,8 +50,9 @@ std::optional<report::Shade> all_lost(catalogue::Evaluator& evaluator,
 /// A finding that has its value only when that is finite.
 report::Finding measured(std::string meaning, std::string unit, double value, double uncertainty = 0);
 
-/// a / b, where each may be off by `doubt_a`, `doubt_b`; the doubt is that of first order.
-report::Finding measured_ratio(std::string meaning, double a, double b, double doubt_a = 0, double doubt_b = 0);
+/// a / b, where each may be off by `uncertainty_a`, `uncertainty_b`; the uncertainty is that of first order.
+report::Finding measured_ratio(std::string meaning, double a, double b, double uncertainty_a = 0,
+                               double uncertainty_b = 0);
 
 report::Finding unavailable(std::string meaning, std::string unit, std::string why);
 

@@ -63,7 +63,7 @@ QuickRuns quickstep_runs(Evaluator& evaluator, std::span<const int> iterations, 
 }
 
 report::Finding QuickRuns::error_ratio(std::string meaning) const {
-  return measured_ratio(std::move(meaning), as_set.error, direct.error, as_set.doubt, direct.doubt);
+  return measured_ratio(std::move(meaning), as_set.error, direct.error, as_set.uncertainty, direct.uncertainty);
 }
 
 report::Table QuickRuns::table(std::string name) const {

@@ -13,7 +13,7 @@ struct QuickRun {
   OdeSettings settings;
   double error;         // largest of an angle, rad; NaN when the run blew up
   double gap;           // largest in a joint, m; likewise
-  double doubt;         // of the reference, rad
+  double uncertainty;   // of the reference, rad
   double a_step_s = 0;  // CPU time, median of rounds in turn, nothing recorded
 };
 

@@ -16,7 +16,7 @@ Content single_pendulum(Laboratory& laboratory, Findings& findings) {
                       .columns = {"scenario", "error until 1 s, rad", "uncertainty of the reference at 1 s, rad",
                                   "until 10 s, rad", "at 10 s, rad", "growth"}};
   double growth[2] = {};
-  double doubt[2] = {};
+  double uncertainty[2] = {};
   const char* const scenarios[] = {"single_pendulum", "double_pendulum"};
   for (std::size_t s = 0; s < 2; ++s) {
     catalogue::Evaluator& evaluator = laboratory.evaluator(scenarios[s]);
@@ -24,14 +24,14 @@ Content single_pendulum(Laboratory& laboratory, Findings& findings) {
     const double early = error_until(evaluator, run, early_s);
     const double late = error_until(evaluator, run, late_s);
     growth[s] = late / early;
-    doubt[s] =
+    uncertainty[s] =
         (uncertainty_until(evaluator, run, late_s) + growth[s] * uncertainty_until(evaluator, run, early_s)) / early;
     table.rows.push_back({std::string(scenarios[s]), early, uncertainty_until(evaluator, run, early_s), late,
                           uncertainty_until(evaluator, run, late_s), growth[s]});
   }
   findings.add("C17.growth_ratio",
                measured_ratio("growth of dWorldStep's error from 1 s to 10 s: double over single pendulum", growth[1],
-                              growth[0], doubt[1], doubt[0]));
+                              growth[0], uncertainty[1], uncertainty[0]));
 
   report::Panel panel{.x_label = "t, s", .y_label = "error, rad", .log_y = true};
   for (const char* method : shown_methods) {

@@ -60,13 +60,13 @@ std::string setting_text(const Point& point) {
 struct Diagram {
   std::vector<Point> points;  // method after method, each from coarse to fine
   std::vector<TimedRun> runs;
-  double doubt;
+  double uncertainty;
 };
 
 /// A method is followed until its error is lost in the reference's uncertainty.
 Diagram measure(const Scenario& file, const std::vector<const Method*>& methods, double until_s) {
   const Accuracy accuracy(file, until_s);
-  Diagram diagram{{}, {}, accuracy.doubt()};
+  Diagram diagram{{}, {}, accuracy.uncertainty()};
   std::vector<catalogue::Evaluator> evaluators;
   evaluators.reserve(methods.size() * 16);  // timed runs point at them
   for (const Method* method : methods) {
@@ -78,7 +78,7 @@ Diagram measure(const Scenario& file, const std::vector<const Method*>& methods,
         diagram.runs.push_back({&evaluators.back(), method, 0, 0, {}});
       }
       diagram.points.push_back(point);
-      if (point.trial.error <= diagram.doubt) break;
+      if (point.trial.error <= diagram.uncertainty) break;
     }
   }
   time_in_turns(diagram.runs, rounds);
@@ -106,7 +106,7 @@ report::Panel panel_of(const Diagram& diagram, double until_s) {
   }
   panel.series.push_back({"uncertainty of the reference",
                           {least, most},
-                          {diagram.doubt, diagram.doubt},
+                          {diagram.uncertainty, diagram.uncertainty},
                           report::Mark::line,
                           guide_colour,
                           true});
@@ -118,13 +118,13 @@ void add_rows(report::Table& table, const Diagram& diagram, double until_s) {
     std::vector<Cell> row{until_s, std::string(point.method->name), setting_text(point)};
     if (point.run) {
       const TimedRun& run = diagram.runs[*point.run];
-      row.insert(row.end(), {point.trial.error, point.trial.doubt, static_cast<double>(point.trial.steps),
+      row.insert(row.end(), {point.trial.error, point.trial.uncertainty, static_cast<double>(point.trial.steps),
                              point.trial.evaluations > 0 ? Cell(static_cast<double>(point.trial.evaluations))
                                                          : Cell(Missing{"ODE does not evaluate equations of motion"}),
                              1e3 * run.median_s(), 1e3 * run.mad_s()});
     } else {
       const Missing failed{"the run did not stay finite, or its solver gave up"};
-      row.insert(row.end(), {failed, point.trial.doubt, failed, failed, failed, failed});
+      row.insert(row.end(), {failed, point.trial.uncertainty, failed, failed, failed, failed});
     }
     table.rows.push_back(std::move(row));
   }

@@ -125,9 +125,9 @@ void measure_time_shift(const Trace& trace, const Reference& reference, std::siz
   const double most_s = rows_searched * spacing_s;
   const auto shift = best_time_shift(trace, reference.trace, until_s, most_s);
   if (!shift || std::fabs(shift->shift_s) >= most_s) return;
-  const double doubt = (angles ? metrics.reference_uncertainty : metrics.position_uncertainty).value_or(0);
+  const double uncertainty = (angles ? metrics.reference_uncertainty : metrics.position_uncertainty).value_or(0);
   metrics.time_shift = shift->shift_s;
-  metrics.time_shift_uncertainty = doubt / shift->sensitivity;
+  metrics.time_shift_uncertainty = uncertainty / shift->sensitivity;
   (angles ? metrics.error_q_after_shift : metrics.error_position_after_shift) = shift->max_left;
 }
 
@@ -244,19 +244,19 @@ std::optional<double> judged_value(const Tolerance& tolerance, const Metrics& me
   return never_lost ? infinity : value;
 }
 
-std::optional<double> doubt_of(const Tolerance& tolerance, const Metrics& metrics) {
+std::optional<double> uncertainty_of(const Tolerance& tolerance, const Metrics& metrics) {
   const MetricRow* row = metric_named(tolerance.metric);
-  return row == nullptr || row->doubt.empty() ? std::nullopt : metric_named(row->doubt)->value(metrics);
+  return row == nullptr || row->uncertainty.empty() ? std::nullopt : metric_named(row->uncertainty)->value(metrics);
 }
 
 Judgement judge(const Tolerance& tolerance, const Metrics& metrics) {
   const std::optional<double> value = judged_value(tolerance, metrics);
   if (!value || (!std::isfinite(*value) && tolerance.metric != "divergence_time")) return Judgement::failed;
-  const double doubt = doubt_of(tolerance, metrics).value_or(0);
+  const double uncertainty = uncertainty_of(tolerance, metrics).value_or(0);
   const double at_most = tolerance.at_most.value_or(infinity);
   const double at_least = tolerance.at_least.value_or(-infinity);
-  if (*value - doubt > at_most || *value + doubt < at_least) return Judgement::failed;
-  return *value + doubt <= at_most && *value - doubt >= at_least ? Judgement::kept : Judgement::undecided;
+  if (*value - uncertainty > at_most || *value + uncertainty < at_least) return Judgement::failed;
+  return *value + uncertainty <= at_most && *value - uncertainty >= at_least ? Judgement::kept : Judgement::undecided;
 }
 
 }  // namespace odeval

@@ -35,7 +35,7 @@ const MetricRow* metric_named(std::string_view name);
 std::optional<double> judged_value(const Tolerance& tolerance, const Metrics& metrics);
 
 /// What the reference may be off by in that metric; empty when it is no error against the reference.
-std::optional<double> doubt_of(const Tolerance& tolerance, const Metrics& metrics);
+std::optional<double> uncertainty_of(const Tolerance& tolerance, const Metrics& metrics);
 
 enum class Judgement { kept, failed, undecided };
 

@@ -13,7 +13,7 @@ constexpr std::array quantiles{12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365,
                                2.080,  2.074, 2.069, 2.064, 2.060, 2.056, 2.052, 2.048, 2.045, 2.042};
 
 bool counts(const ErrorPoint& point, double lost) {
-  return point.error > 0 && point.error <= lost && point.error >= clear_of_doubt * point.doubt;
+  return point.error > 0 && point.error <= lost && point.error >= clear_of_uncertainty * point.uncertainty;
 }
 
 }  // namespace
@@ -23,7 +23,7 @@ double student_t_95(int degrees_of_freedom) {
   return quantiles[static_cast<std::size_t>(std::clamp(degrees_of_freedom, 1, last) - 1)];
 }
 
-double rounding_doubt(double epsilon, long steps) { return epsilon * std::sqrt(static_cast<double>(steps)); }
+double rounding_uncertainty(double epsilon, long steps) { return epsilon * std::sqrt(static_cast<double>(steps)); }
 
 std::optional<ObservedOrder> observed_order(std::span<const ErrorPoint> points, double lost) {
   std::vector<ErrorPoint> used;
@@ -42,11 +42,11 @@ std::optional<ObservedOrder> observed_order(std::span<const ErrorPoint> points, 
   if (spread == 0) return std::nullopt;
 
   double slope = 0;
-  double doubt = 0;
+  double uncertainty = 0;
   for (const ErrorPoint& p : used) {
     const double weight = (std::log(p.setting) - x_mean) / spread;
     slope += weight * (std::log(p.error) - y_mean);
-    doubt += std::fabs(weight) * -std::log1p(-p.doubt / p.error);
+    uncertainty += std::fabs(weight) * -std::log1p(-p.uncertainty / p.error);
   }
   double residue = 0;
   for (const ErrorPoint& p : used) {
@@ -54,8 +54,8 @@ std::optional<ObservedOrder> observed_order(std::span<const ErrorPoint> points, 
   }
   const double standard_error = std::sqrt(residue / (n - 2) / spread);
   const auto [from, to] = std::ranges::minmax(used, {}, &ErrorPoint::setting);
-  return ObservedOrder{slope, student_t_95(static_cast<int>(used.size()) - 2) * standard_error + doubt, from.setting,
-                       to.setting, static_cast<int>(used.size())};
+  return ObservedOrder{slope, student_t_95(static_cast<int>(used.size()) - 2) * standard_error + uncertainty,
+                       from.setting, to.setting, static_cast<int>(used.size())};
 }
 
 std::vector<ErrorPoint> settled_points(std::span<const ErrorPoint> points, double lost) {

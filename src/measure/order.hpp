@@ -8,9 +8,9 @@ namespace odeval {
 
 /// One run: what was varied (step, tolerance, evaluations) and the error it led to.
 struct ErrorPoint {
-  double setting;    // > 0
-  double error;      // of any unit
-  double doubt = 0;  // how far the error itself may be off: the reference's uncertainty and rounding
+  double setting;          // > 0
+  double error;            // of any unit
+  double uncertainty = 0;  // how far the error itself may be off: the reference's uncertainty and rounding
 };
 
 struct ObservedOrder {
@@ -21,16 +21,18 @@ struct ObservedOrder {
   int points;
 };
 
-/// Points count when their error is at least this many times their doubt.
-inline constexpr double clear_of_doubt = 10;
+/// Points count when their error is at least this many times their uncertainty.
+inline constexpr double clear_of_uncertainty = 10;
 
 /// Least-squares slope of log error over log setting.
 ///
 /// Which points count is decided by each point alone, before any slope is known: those whose error is finite, at most
-/// `lost` (above it a run is lost and its error says nothing), and `clear_of_doubt` times its doubt or more.
+/// `lost` (above it a run is lost and its error says nothing), and `clear_of_uncertainty` times its uncertainty or
+/// more.
 ///
 /// half_width  Student's t at 95 % times the slope's standard error, which takes in noise and curvature (a next term of
-///             the error) alike; and what the slope would move by if every point were off by its doubt, the worst way
+///             the error) alike; and what the slope would move by if every point were off by its uncertainty, the worst
+///             way
 /// Empty when fewer than 3 points count or all have one setting.
 std::optional<ObservedOrder> observed_order(std::span<const ErrorPoint> points, double lost);
 
@@ -49,6 +51,6 @@ double student_t_95(int degrees_of_freedom);
 
 /// What rounding may have done to an angle after a number of steps that round it by half of `epsilon` each, one way or
 /// the other at random: epsilon sqrt(steps), rad.
-double rounding_doubt(double epsilon, long steps);
+double rounding_uncertainty(double epsilon, long steps);
 
 }  // namespace odeval

@@ -124,8 +124,8 @@ double allowed_at(const std::string& way, const Leaves& a, const Leaves& b) {
   if (must_be_equal(way)) return 0;
   const auto metrics = metric_table();
   const auto metric = std::ranges::find(metrics, name, &MetricRow::name);
-  if (metric != metrics.end() && !metric->doubt.empty()) {
-    const std::string beside = way.substr(0, way.size() - name.size()) + std::string(metric->doubt);
+  if (metric != metrics.end() && !metric->uncertainty.empty()) {
+    const std::string beside = way.substr(0, way.size() - name.size()) + std::string(metric->uncertainty);
     return angle_rounding + number(find(a, beside)).value_or(0) + number(find(b, beside)).value_or(0);
   }
   if (name.ends_with("uncertainty")) return std::max(in_a, in_b) / 2;

@@ -31,9 +31,8 @@ std::string half_step_hint(const std::vector<RunSummary>& runs) {
   for (const RunSummary& run : runs) {
     if (const Metrics* const metrics = half_a_step(run)) {
       return fmt::format(
-          "half step  to {:g} s {} is {:.2f} steps ahead of the reference; shifted back, of its error of {:.3g} rad "
-          "{:.3g} "
-          "rad is left: try --start half-step\n",
+          "half step  to {:g} s {} is {:.2f} steps ahead of the reference; error {:.3g} rad, after shifting by that "
+          "time {:.3g} rad: try --start half-step\n",
           metrics->until_s, run.method, *metrics->time_shift / run.grid.step_s, *metrics->max_error_q,
           *metrics->error_q_after_shift);
     }

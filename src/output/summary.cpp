@@ -118,8 +118,8 @@ Json settings(const RunSummary& run) {
 
 /// Whether a metric is an error against the reference, or bounds one.
 bool is_error(const MetricRow& metric) {
-  const auto bounds = [&](const MetricRow& error) { return error.doubt == metric.name; };
-  return !metric.doubt.empty() || std::ranges::any_of(metric_table(), bounds);
+  const auto bounds = [&](const MetricRow& error) { return error.uncertainty == metric.name; };
+  return !metric.uncertainty.empty() || std::ranges::any_of(metric_table(), bounds);
 }
 
 /// Of a pendulum the errors of angles, known or not; of bodies their own.
@@ -129,7 +129,7 @@ Json errors_at(const std::vector<Metrics>& error_at, Family family) {
     Json& at = json[number_text(metrics.until_s)] = Json::object();
     for (const MetricRow& row : metric_table()) {
       const bool of_either = row.name.starts_with("time_shift");
-      const bool of_angles = row.doubt == "reference_uncertainty" || row.name == "reference_uncertainty";
+      const bool of_angles = row.uncertainty == "reference_uncertainty" || row.name == "reference_uncertainty";
       if (is_error(row) && (of_either || of_angles == (family == Family::pendulum))) {
         at[std::string(row.name)] = json_of(row.value(metrics));
       }

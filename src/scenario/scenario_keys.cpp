@@ -160,13 +160,13 @@ constexpr KeyRow rows[] = {
 
   {"tolerances", "method",   word,   "",  0, 0,       false, method_names, "", "whose metric",
       [](S& s, const V& v) { s.tolerances.back().method = v.word; }},
-  {"tolerances", "metric",   word,   "",  0, 0,       false, metric_names, "", "what is held",
+  {"tolerances", "metric",   word,   "",  0, 0,       false, metric_names, "", "which metric is limited",
       [](S& s, const V& v) { s.tolerances.back().metric = v.word; }},
   {"tolerances", "until",    number, "s", 1e-7, 1e5,  false, nullptr, "", "the metric's last sample",
       [](S& s, const V& v) { s.tolerances.back().until_s = v.number; }},
-  {"tolerances", "at_most",  number, "",  -1e300, 1e300, false, nullptr, "at_least stands alone", "greatest value allowed, in the metric's unit",
+  {"tolerances", "at_most",  number, "",  -1e300, 1e300, false, nullptr, "no greatest value", "greatest value allowed, in the metric's unit",
       [](S& s, const V& v) { s.tolerances.back().at_most = v.number; }},
-  {"tolerances", "at_least", number, "",  -1e300, 1e300, false, nullptr, "at_most stands alone", "least value allowed, in the metric's unit",
+  {"tolerances", "at_least", number, "",  -1e300, 1e300, false, nullptr, "no least value", "least value allowed, in the metric's unit",
       [](S& s, const V& v) { s.tolerances.back().at_least = v.number; }},
 };
 // clang-format on

@@ -31,7 +31,7 @@ void errors_are_those_of_a_run_of_its_own() {
   catalogue::Evaluator evaluator(alone);
   const auto metrics = evaluator.measure(evaluator.evaluate(find_method("ode-step-double")), 1);
   CHECK_NEAR(trial.error, *metrics.max_error_q, 1e-13);  // h = 0.05 / 50 is 0.001 but for a rounding
-  CHECK_EQUAL(trial.doubt, *metrics.reference_uncertainty);
+  CHECK_EQUAL(trial.uncertainty, *metrics.reference_uncertainty);
   CHECK_NEAR(Accuracy(report_pendulum(), 0.99).row_spacing_s(), 0.0495, 1e-15);
   CHECK_NEAR(accuracy.fitting_step(4e-3), 0.05 / 13, 1e-15);  // 12.5 steps a row, rounded away from zero
   CHECK_EQUAL(accuracy.fitting_step(1), 0.05);
@@ -91,7 +91,7 @@ void what_is_not_reached_is_said() {
     CHECK_EQUAL(rounded.why_not, "the error no longer falls");
     CHECK(rounded.trial.steps < plenty / 4);
   }
-  const Search below_reference = accuracy.cheapest(find_method("lagrange-ode45"), accuracy.doubt() / 2, plenty);
+  const Search below_reference = accuracy.cheapest(find_method("lagrange-ode45"), accuracy.uncertainty() / 2, plenty);
   CHECK(!below_reference.reached && !below_reference.why_not.empty());
   const Accuracy single(test::report_scenario("single_pendulum", 2, 1e-3), 1);
   CHECK(single.cheapest(find_method("analytic"), 1e-6, plenty).reached);
@@ -200,7 +200,7 @@ void an_equal_error_is_the_searchs() {
     CHECK_EQUAL(row.knob, i == 1 ? "rtol" : "h");
     const catalogue::Trial trial = accuracy.try_setting(*methods[i], row.setting.value());
     CHECK_EQUAL(row.error, trial.error);
-    CHECK_EQUAL(row.uncertainty, accuracy.doubt());
+    CHECK_EQUAL(row.uncertainty, accuracy.uncertainty());
     CHECK_EQUAL(row.steps, trial.steps);
     CHECK_EQUAL(row.evaluations, trial.evaluations);
     CHECK_EQUAL(row.why_not.empty(), row.error + row.uncertainty <= 1e-5);

@@ -69,7 +69,7 @@ void closed_form() {
         test::add_position(coverage, scenario, t, 0, {0.3L * t, 0, radius + wanted.height});
         // Where the bounces gather, the walk ends at a rate of 1e-12; before, rates change by g times the time's error.
         CHECK_NEAR(state.velocity[2], static_cast<double>(wanted.rate), 1e-11);
-        CHECK(motion->doubt(t).position_m < 1e-11);
+        CHECK(motion->uncertainty(t).position_m < 1e-11);
       }
     }
   }

@@ -23,7 +23,7 @@ void check_run(Evaluator& evaluator, const QuickRun& run, std::string_view metho
   const Metrics metrics = evaluator.measure(evaluator.evaluate(catalogue::find_method(method), settings), until_s);
   CHECK_EQUAL(run.error, metrics.max_error_q.value());
   CHECK_EQUAL(run.gap, metrics.max_gap.value());
-  CHECK_EQUAL(run.doubt, metrics.reference_uncertainty.value());
+  CHECK_EQUAL(run.uncertainty, metrics.reference_uncertainty.value());
   CHECK(run.a_step_s > 0 && run.a_step_s < 0.1);  // some microseconds, not those of all 100 steps that are timed
 }
 

@@ -266,8 +266,8 @@ void check_through_impacts() {
 }
 
 // Released a hair above the mirror image of the angle of touch, the link touches the wall at 1e-7 to 1e-3 rad/s or only
-// grazes it, and the reference may not know which. Its bound holds for both: without the doubt it is 1e5 times too
-// small.
+// grazes it, and the reference may not know which. Its bound holds for both: without the uncertainty it is 1e5 times
+// too small.
 void check_grazes() {
   for (const double face : {0.93, 0.9, 0.7}) {
     for (const double restitution : {1.0, 0.5, 0.0}) {

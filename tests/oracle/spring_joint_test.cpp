@@ -155,7 +155,7 @@ void closed_form() {
       exact = stepped(oscillator, exact, h);
       if (n % 512 != 0) continue;
       const Deflection found = oscillator.at(n * h, start);
-      CHECK_NEAR(found.x, static_cast<double>(exact.x), oscillator.doubt(n * h, start));
+      CHECK_NEAR(found.x, static_cast<double>(exact.x), oscillator.uncertainty(n * h, start));
       CHECK_NEAR(found.v, static_cast<double>(exact.v), 1e-12 * (1 + damping));
     }
     // Back again in time, as the half-step start asks.
@@ -206,7 +206,7 @@ void stated_uncertainty() {
 struct Errors {
   double position;
   double force;
-  double doubt;
+  double uncertainty;
 };
 
 Errors errors_of(Scenario scenario, double step_s) {
@@ -230,7 +230,7 @@ void oscillator_order() {
       std::vector<ErrorPoint> force;
       for (const double h : {2e-3, 1e-3, 5e-4, 2.5e-4}) {
         const Errors errors = errors_of(scenario, h);
-        position.push_back({h, errors.position, errors.doubt});
+        position.push_back({h, errors.position, errors.uncertainty});
         force.push_back({h, errors.force, 0});
       }
       CHECK_BETWEEN(observed_order(position, 1).value().order, 0.95, 1.05);

@@ -64,13 +64,13 @@ void curvature_widens_the_interval() {
   CHECK(std::fabs(bent->order - 1) < 2 * bent->half_width);
 }
 
-void lost_and_doubtful_points_do_not_count() {
+void lost_and_uncertain_points_do_not_count() {
   const auto first_order = [](double h) { return 5 * h; };
   std::vector<ErrorPoint> points = halvings(8, first_order);
   const double plain = observed_order(points, anything)->order;
 
   points[0].error = 17;                           // lost
-  points[6] = {points[6].setting, 3e-3, 3.1e-4};  // 9.7 times its doubt
+  points[6] = {points[6].setting, 3e-3, 3.1e-4};  // 9.7 times its uncertainty
   points[7].error = std::numeric_limits<double>::quiet_NaN();
   const auto found = observed_order(points, 0.1);
   CHECK_EQUAL(found->points, 5);
@@ -78,14 +78,15 @@ void lost_and_doubtful_points_do_not_count() {
   CHECK_EQUAL(found->from, points[5].setting);
   CHECK_EQUAL(found->to, points[1].setting);
 
-  points[6].doubt = 2.9e-4;  // 10.3 times
+  points[6].uncertainty = 2.9e-4;  // 10.3 times
   CHECK_EQUAL(observed_order(points, 0.1)->points, 6);
 }
 
-// With no scatter, the doubts alone make the interval: off by 5 % at one end and as much the other way at the other.
-void doubt_widens_the_interval() {
+// With no scatter, the uncertainties alone make the interval: off by 5 % at one end and as much the other way at the
+// other.
+void uncertainty_widens_the_interval() {
   std::vector<ErrorPoint> points = halvings(3, [](double h) { return h; });
-  for (ErrorPoint& point : points) point.doubt = point.error / 20;
+  for (ErrorPoint& point : points) point.uncertainty = point.error / 20;
   const double shift = -std::log(0.95) * 2 / (2 * std::log(2.0));  // weights -+1 / (2 ln 2), 0 in the middle
   CHECK_NEAR(observed_order(points, anything)->half_width, shift, 1e-12);
 }
@@ -147,8 +148,8 @@ int main() {
   the_interval_is_the_text_books();
   the_interval_covers();
   curvature_widens_the_interval();
-  lost_and_doubtful_points_do_not_count();
-  doubt_widens_the_interval();
+  lost_and_uncertain_points_do_not_count();
+  uncertainty_widens_the_interval();
   too_few_points_have_no_order();
   slopes_settle_where_the_next_term_is_small();
   slopes_that_do_not_settle_leave_nothing();

@@ -163,8 +163,8 @@ bool says(const std::string& text, const std::string& line) { return text.find(l
 void the_report_of_a_run_gives_hints() {
   const auto report = [](const RunSummary& run) { return run_report({run}, std::vector<double>{1250}, Reference{}); };
   const std::string hint =
-      "half step  to 2 s ode-step-double is 0.46 steps ahead of the reference; shifted back, of its error of 0.008 rad "
-      "0.0004 rad is left: try --start half-step\n";
+      "half step  to 2 s ode-step-double is 0.46 steps ahead of the reference; error 0.008 rad, after shifting by that "
+      "time 0.0004 rad: try --start half-step\n";
   CHECK(says(report(shifted(0.46, 0.05)), hint));  // the longer span of the two
   RunSummary second = shifted(0.46, 0.5);          // where half a step explains too little, another method's is said
   second.method = "ode-quickstep-double";
