@@ -106,23 +106,23 @@ constexpr std::array table{
            make_analytic, no_settings, mass_matrix},
 };
 
-bool has(const Method& method, std::string_view key) {
-  return std::ranges::any_of(method.settings(), [&](const EngineSetting& setting) { return setting.key == key; });
-}
-
 }  // namespace
 
 std::span<const Method> methods() { return table; }
+
+bool has_setting(const Method& method, std::string_view key) {
+  return std::ranges::any_of(method.settings(), [&](const EngineSetting& setting) { return setting.key == key; });
+}
 
 bool reads(const Method& method, std::string_view key, const Scenario& scenario) {
   const auto is_it = [&](const EngineSetting& setting) { return setting.key == key && setting.matters(scenario); };
   return std::ranges::any_of(method.settings(), is_it);
 }
 
-bool has_half_step_start(const Method& method) { return has(method, "ode.start"); }
+bool has_half_step_start(const Method& method) { return has_setting(method, "ode.start"); }
 
 bool is_engine_setting(std::string_view key) {
-  return std::ranges::any_of(table, [&](const Method& method) { return has(method, key); });
+  return std::ranges::any_of(table, [&](const Method& method) { return has_setting(method, key); });
 }
 
 std::string readers_of(std::string_view key) {

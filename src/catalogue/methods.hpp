@@ -25,6 +25,9 @@ struct Method {
   SystemMatrix inverts = SystemMatrix::none;  // whose condition number the trace shows
 };
 
+/// Whether a key of the scenario file is a setting of the method.
+bool has_setting(const Method& method, std::string_view key);
+
 /// Whether a key of the scenario file is a setting of the method that makes a difference in the scenario.
 bool reads(const Method& method, std::string_view key, const Scenario& scenario);
 

@@ -98,11 +98,13 @@ std::string command_of(const Candidate& candidate, const Options& options) {
   if (candidate.sample_s) command += " --sample " + number_text(*candidate.sample_s);
   if (candidate.start == Start::half_step) {
     command += " --start half-step";
-  } else if (start_is_asked_for(options)) {
+  } else if (start_is_asked_for(options) && catalogue::has_half_step_start(*candidate.method)) {
     command += " --start as-given";
   }
   for (const Override& setting : options.settings.overrides()) {
-    if (setting.key == start_key) continue;
+    const bool another_engines =
+        catalogue::is_engine_setting(setting.key) && !catalogue::has_setting(*candidate.method, setting.key);
+    if (setting.key == start_key || another_engines) continue;
     command += setting.origin == "--set" ? " --set " + in_shell(setting.key + "=" + setting.value)
                                          : " " + setting.origin + " " + in_shell(setting.value);
   }
@@ -306,9 +308,9 @@ int recommend(const Options& options) {
     const Search search(options, scenario);
     for (const catalogue::Method* method : methods) {
       progress.next(scenario.name + " " + std::string(method->name));
-      candidates.push_back(search.cheapest(*method, scenario.ode.start));
-      if (catalogue::has_half_step_start(*method) && !start_is_asked_for(options) &&
-          scenario.ode.start != Start::half_step) {
+      const bool has_start = catalogue::has_half_step_start(*method);
+      candidates.push_back(search.cheapest(*method, has_start ? scenario.ode.start : Start::as_given));
+      if (has_start && !start_is_asked_for(options) && scenario.ode.start != Start::half_step) {
         candidates.push_back(search.cheapest(*method, Start::half_step));
       }
     }

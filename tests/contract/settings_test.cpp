@@ -235,7 +235,10 @@ void settings_act() {
       bool read_somewhere = false;
       bool moved = false;
       for (std::size_t i = 0; i < stage_count; ++i) {
-        read_somewhere = read_somewhere || catalogue::reads(catalogue::find_method(name), row.key, read(stages[i]));
+        const Scenario scenario = read(stages[i]);
+        const catalogue::Method& method = catalogue::find_method(name);
+        read_somewhere =
+            read_somewhere || (method.claims(*scenario.problem) && catalogue::reads(method, row.key, scenario));
         moved = moved || std::string_view(row.moves[i]).find(letter) != std::string_view::npos;
       }
       const std::string key = row.key;
