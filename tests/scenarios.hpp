@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "catalogue/evaluation.hpp"
+#include "model/problems.hpp"
 
 namespace odeval::test {
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "catalogue/evaluation.hpp"
+#include "model/read_scenario.hpp"
 #include "run/grid.hpp"
 #include "run/sweep.hpp"
-#include "scenario/read_scenario.hpp"
 
 namespace odeval::catalogue {
 

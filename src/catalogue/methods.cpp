@@ -5,6 +5,8 @@
 
 #include "catalogue/accurate_method.hpp"
 #include "engine_ode/module.hpp"
+#include "model/nearest.hpp"
+#include "model/problems.hpp"
 #include "odeval/error.hpp"
 #include "reference/analytic.hpp"
 #include "reference/bodies/newton_euler.hpp"
@@ -16,7 +18,6 @@
 #include "reference/maximal/ode_step_simulation.hpp"
 #include "reference/ode45.hpp"
 #include "reference/quad.hpp"
-#include "scenario/nearest.hpp"
 
 namespace odeval::catalogue {
 namespace {
@@ -47,7 +48,7 @@ bool one_or_two_links_without_wall(const Problem& problem) { return problem.link
 bool one_link_or_no_wall(const Problem& problem) { return problem.links == 1 || without_wall(problem); }
 bool closed_form(const Problem& problem) { return problem.links == 1 || problem.family == Family::bodies; }
 
-bool in_free_flight(const Problem& problem) { return problem.name == "free_box" || problem.name == "thin_body"; }
+bool in_free_flight(const Problem& problem) { return !pendulums(problem) && !problem.ground && !problem.joint; }
 bool pendulums_or_free(const Problem& problem) { return pendulums(problem) || in_free_flight(problem); }
 
 std::unique_ptr<Simulation> make_cvode(const Scenario& scenario, const SampleGrid& grid) {

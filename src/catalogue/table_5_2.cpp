@@ -9,11 +9,11 @@ namespace odeval::catalogue {
 
 bool is_of_table_5_2(const Scenario& scenario) {
   const auto same = [](double a, double b) { return std::fabs(a - b) < 1e-9; };
-  if (scenario.problem->name != "double_pendulum" || !same(scenario.duration_s, 10) || !same(scenario.gravity, 9.81)) {
-    return false;
-  }
+  const bool swings_free = scenario.links.size() == 2 && !scenario.wall;
+  if (!swings_free || !same(scenario.duration_s, 10) || !same(scenario.gravity, 9.81)) return false;
   for (const Link& link : scenario.links) {
     if (!same(link.mass_kg, 1) || !same(link.length_m, 1) || !same(link.width_m, 0.1)) return false;
+    if (link.shape != Shape::box) return false;
   }
   constexpr double quarter = std::numbers::pi / 4;
   return same(scenario.q0[0], quarter) && same(scenario.q0[1], -quarter) && same(scenario.qd0[0], 0) &&

@@ -13,11 +13,11 @@
 #include "cli/commands.hpp"
 #include "cli/flags.hpp"
 #include "cli/progress.hpp"
+#include "model/find_scenario.hpp"
 #include "odeval/error.hpp"
 #include "output/file.hpp"
 #include "output/number.hpp"
 #include "output/timing.hpp"
-#include "scenario/find_scenario.hpp"
 
 namespace odeval::cli {
 namespace {

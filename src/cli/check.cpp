@@ -9,8 +9,8 @@
 #include "cli/progress.hpp"
 #include "cli/settings.hpp"
 #include "measure/metrics.hpp"
+#include "model/find_scenario.hpp"
 #include "output/checks.hpp"
-#include "scenario/find_scenario.hpp"
 
 namespace odeval::cli {
 namespace {

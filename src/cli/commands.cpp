@@ -6,8 +6,8 @@
 
 #include "catalogue/versions.hpp"
 #include "cli/flags.hpp"
+#include "model/nearest.hpp"
 #include "odeval/error.hpp"
-#include "scenario/nearest.hpp"
 
 namespace odeval::cli {
 namespace {

@@ -9,10 +9,10 @@
 #include "cli/commands.hpp"
 #include "cli/flags.hpp"
 #include "cli/settings.hpp"
+#include "model/find_scenario.hpp"
+#include "model/scenario_keys.hpp"
 #include "odeval/metrics.hpp"
 #include "output/listing.hpp"
-#include "scenario/find_scenario.hpp"
-#include "scenario/scenario_keys.hpp"
 
 namespace odeval::cli {
 namespace {

@@ -12,13 +12,13 @@
 #include "cli/settings.hpp"
 #include "experiments/experiment.hpp"
 #include "experiments/side_by_side.hpp"
+#include "model/find_scenario.hpp"
 #include "odeval/error.hpp"
 #include "output/file.hpp"
 #include "render/painter.hpp"
 #include "report/files.hpp"
 #include "report/gnuplot.hpp"
 #include "report/page.hpp"
-#include "scenario/find_scenario.hpp"
 
 namespace odeval::cli {
 namespace {

@@ -6,11 +6,11 @@
 #include <string_view>
 
 #include "catalogue/paths.hpp"
+#include "model/find_scenario.hpp"
+#include "model/scenario_keys.hpp"
 #include "odeval/error.hpp"
 #include "odeval/metrics.hpp"
 #include "output/number.hpp"
-#include "scenario/find_scenario.hpp"
-#include "scenario/scenario_keys.hpp"
 
 namespace odeval::cli {
 namespace {

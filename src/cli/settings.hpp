@@ -9,7 +9,7 @@
 
 #include "catalogue/methods.hpp"
 #include "cli/flags.hpp"
-#include "scenario/read_scenario.hpp"
+#include "model/read_scenario.hpp"
 
 namespace odeval::cli {
 

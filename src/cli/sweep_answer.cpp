@@ -10,6 +10,7 @@
 
 #include "catalogue/methods.hpp"
 #include "cli/settings.hpp"
+#include "model/read_scenario.hpp"
 #include "odeval/error.hpp"
 #include "odeval/metrics.hpp"
 #include "output/file.hpp"
@@ -18,7 +19,6 @@
 #include "output/table.hpp"
 #include "report/front.hpp"
 #include "run/front.hpp"
-#include "scenario/read_scenario.hpp"
 
 namespace odeval::cli {
 namespace {

@@ -19,8 +19,8 @@
 #include "cli/settings.hpp"
 #include "engine_rk4/accurate_step.hpp"
 #include "measure/spread.hpp"
+#include "model/read_scenario.hpp"
 #include "odeval/metrics.hpp"
-#include "scenario/read_scenario.hpp"
 #include "tests/accurate/worlds.hpp"
 
 namespace {

@@ -19,7 +19,7 @@
 #include "catalogue/paths.hpp"
 #include "cli/settings.hpp"
 #include "measure/spread.hpp"
-#include "scenario/read_scenario.hpp"
+#include "model/read_scenario.hpp"
 #include "tests/benchmark/bare_loop.h"
 
 namespace {

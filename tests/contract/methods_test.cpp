@@ -1,9 +1,9 @@
 // What every method promises on every problem it claims: the same columns, finite numbers, times on the grid, the
 // start it was given, the same result twice.
 #include "catalogue/paths.hpp"
+#include "model/find_scenario.hpp"
+#include "model/read_scenario.hpp"
 #include "output/trace_csv.hpp"
-#include "scenario/find_scenario.hpp"
-#include "scenario/read_scenario.hpp"
 #include "tests/check.hpp"
 #include "tests/scenarios.hpp"
 

@@ -7,11 +7,11 @@
 
 #include "catalogue/paths.hpp"
 #include "catalogue/summaries.hpp"
+#include "model/find_scenario.hpp"
+#include "model/read_scenario.hpp"
 #include "odeval/error.hpp"
 #include "output/summary.hpp"
 #include "output/trace_csv.hpp"
-#include "scenario/find_scenario.hpp"
-#include "scenario/read_scenario.hpp"
 #include "tests/check.hpp"
 #include "tests/scenarios.hpp"
 

@@ -2,8 +2,8 @@
 // file, the rest a setting KEY=VALUE on top of it.
 #include <cstdlib>
 
+#include "model/read_scenario.hpp"
 #include "odeval/error.hpp"
-#include "scenario/read_scenario.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace odeval;

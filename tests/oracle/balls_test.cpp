@@ -5,11 +5,11 @@
 
 #include "catalogue/paths.hpp"
 #include "measure/metrics.hpp"
+#include "model/find_scenario.hpp"
+#include "model/read_scenario.hpp"
 #include "odeval/error.hpp"
 #include "reference/ball_wall.hpp"
 #include "reference/reference_solution.hpp"
-#include "scenario/find_scenario.hpp"
-#include "scenario/read_scenario.hpp"
 #include "tests/check.hpp"
 #include "tests/scenarios.hpp"
 

@@ -4,10 +4,10 @@
 
 #include "catalogue/paths.hpp"
 #include "measure/metrics.hpp"
+#include "model/find_scenario.hpp"
+#include "model/read_scenario.hpp"
 #include "odeval/error.hpp"
 #include "reference/bodies/motion.hpp"
-#include "scenario/find_scenario.hpp"
-#include "scenario/read_scenario.hpp"
 #include "tests/check.hpp"
 #include "tests/oracle/body_reference.hpp"
 #include "tests/scenarios.hpp"

@@ -8,10 +8,10 @@
 #include "catalogue/paths.hpp"
 #include "experiments/experiment.hpp"
 #include "experiments/parts.hpp"
+#include "model/find_scenario.hpp"
+#include "model/read_scenario.hpp"
 #include "odeval/metrics.hpp"
 #include "report/claims.hpp"
-#include "scenario/find_scenario.hpp"
-#include "scenario/read_scenario.hpp"
 #include "tests/check.hpp"
 #include "tests/scenarios.hpp"
 

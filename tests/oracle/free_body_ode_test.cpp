@@ -4,10 +4,10 @@
 #include <numbers>
 
 #include "catalogue/paths.hpp"
+#include "model/find_scenario.hpp"
+#include "model/read_scenario.hpp"
 #include "reference/bodies/rotation.hpp"
 #include "reference/maximal/ode_step.hpp"
-#include "scenario/find_scenario.hpp"
-#include "scenario/read_scenario.hpp"
 #include "tests/check.hpp"
 #include "tests/scenarios.hpp"
 

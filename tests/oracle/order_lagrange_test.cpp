@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "model/problems.hpp"
 #include "reference/analytic.hpp"
 #include "reference/fixed_step.hpp"
 #include "reference/ode45.hpp"

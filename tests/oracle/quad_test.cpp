@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "model/problems.hpp"
 #include "odeval/error.hpp"
 #include "reference/certified/motions.hpp"
 #include "reference/quad.hpp"

@@ -1,5 +1,6 @@
 // The reference where no certified file exists: chains nobody listed, against quad precision; impacts, against an
 // energy integral; every way a link and a wall can come to terms.
+#include "model/problems.hpp"
 #include "reference/reference_solution.hpp"
 
 #include <algorithm>

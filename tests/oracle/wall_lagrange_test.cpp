@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "model/problems.hpp"
 #include "odeval/error.hpp"
 #include "reference/analytic.hpp"
 #include "reference/equations.hpp"

@@ -1,5 +1,6 @@
 // The closed form of one link: it solves the equation, keeps the energy, and agrees with 60 digits.
 #include "reference/analytic.hpp"
+#include "model/problems.hpp"
 
 #include <boost/math/quadrature/tanh_sinh.hpp>
 #include <boost/math/special_functions/ellint_1.hpp>

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "measure/planar_chain.hpp"
+#include "model/problems.hpp"
 #include "tests/check.hpp"
 
 namespace {

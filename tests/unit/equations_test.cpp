@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <random>
 
+#include "model/problems.hpp"
 #include "reference/dual.hpp"
 #include "reference/equations.hpp"
 #include "tests/check.hpp"

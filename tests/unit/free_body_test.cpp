@@ -1,6 +1,7 @@
 // A free body's rotation in closed form, against Euler's equations integrated in quad precision, against CVODE and
 // against what it has to conserve.
 #include "reference/bodies/free_body.hpp"
+#include "model/problems.hpp"
 
 #include <algorithm>
 #include <cmath>

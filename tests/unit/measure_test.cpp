@@ -7,6 +7,7 @@
 #include "measure/cartesian_trace.hpp"
 #include "measure/metrics.hpp"
 #include "measure/spread.hpp"
+#include "model/problems.hpp"
 #include "odeval/error.hpp"
 #include "tests/check.hpp"
 

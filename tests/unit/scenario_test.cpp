@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <fstream>
 
+#include "model/find_scenario.hpp"
+#include "model/nearest.hpp"
+#include "model/read_scenario.hpp"
 #include "odeval/error.hpp"
 #include "odeval/metrics.hpp"
-#include "scenario/find_scenario.hpp"
-#include "scenario/nearest.hpp"
-#include "scenario/read_scenario.hpp"
 #include "tests/check.hpp"
 
 namespace {

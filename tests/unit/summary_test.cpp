@@ -1,5 +1,6 @@
 // Summaries, timings and tables: keys, undefined and infinite values, alignment, same bytes for the same run.
 #include "output/summary.hpp"
+#include "model/problems.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -14,8 +14,8 @@
 #include "catalogue/paths.hpp"
 #include "catalogue/reference_bytes.hpp"
 #include "cli/settings.hpp"
+#include "model/find_scenario.hpp"
 #include "output/sweep_table.hpp"
-#include "scenario/find_scenario.hpp"
 #include "tests/check.hpp"
 
 namespace {

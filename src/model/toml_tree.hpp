@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "scenario/override.hpp"
+#include "model/override.hpp"
 
 namespace odeval {
 

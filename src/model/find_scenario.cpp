@@ -1,12 +1,12 @@
-#include "scenario/find_scenario.hpp"
+#include "model/find_scenario.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
+#include "model/nearest.hpp"
+#include "model/one_line.hpp"
 #include "odeval/error.hpp"
-#include "scenario/nearest.hpp"
-#include "scenario/one_line.hpp"
 
 namespace odeval {
 

@@ -1,4 +1,4 @@
-#include "scenario/nearest.hpp"
+#include "model/nearest.hpp"
 
 #include <algorithm>
 #include <numeric>

@@ -1,9 +1,11 @@
-#include "scenario/scenario_keys.hpp"
+#include "model/scenario_keys.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <limits>
+
+#include "model/problems.hpp"
 
 namespace odeval {
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "scenario/draft.hpp"
+#include "model/draft.hpp"
 
 namespace odeval {
 

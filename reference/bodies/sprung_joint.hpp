@@ -12,6 +12,6 @@ namespace odeval::reference {
 /// bodies: its arms lie along the displacement (of a body on the world, under gravity, along z as well) or are zero, no
 /// body spins, and none moves across its arm. A hinge is then as good as a ball: what it adds are rows for turns, which
 /// stay zero. Throws UserError otherwise.
-std::unique_ptr<BodyMotion> make_spring_joint(const Scenario& scenario);
+std::unique_ptr<BodyMotion> make_sprung_joint(const Scenario& scenario);
 
 }  // namespace odeval::reference

@@ -4,9 +4,9 @@
 #include <string_view>
 #include <vector>
 
+#include "model/scenario_keys.hpp"
+#include "model/toml_tree.hpp"
 #include "odeval/scenario.hpp"
-#include "scenario/scenario_keys.hpp"
-#include "scenario/toml_tree.hpp"
 
 namespace odeval {
 

@@ -1,4 +1,4 @@
-#include "scenario/read_scenario.hpp"
+#include "model/read_scenario.hpp"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,9 @@
 #include <cctype>
 #include <sstream>
 
+#include "model/draft.hpp"
+#include "model/one_line.hpp"
 #include "odeval/error.hpp"
-#include "scenario/draft.hpp"
-#include "scenario/one_line.hpp"
 
 namespace odeval {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "scenario/draft.hpp"
+#include "model/draft.hpp"
 
 namespace odeval {
 

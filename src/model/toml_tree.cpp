@@ -1,4 +1,4 @@
-#include "scenario/toml_tree.hpp"
+#include "model/toml_tree.hpp"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 #include <cstring>
 #include <fstream>
 
+#include "model/one_line.hpp"
 #include "odeval/error.hpp"
-#include "scenario/one_line.hpp"
 
 namespace odeval {
 

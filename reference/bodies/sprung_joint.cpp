@@ -1,4 +1,4 @@
-#include "reference/bodies/spring_joint.hpp"
+#include "reference/bodies/sprung_joint.hpp"
 
 #include <fmt/format.h>
 
@@ -174,7 +174,7 @@ class RigidJoint final : public JointMotion {
 
 }  // namespace
 
-std::unique_ptr<BodyMotion> make_spring_joint(const Scenario& scenario) {
+std::unique_ptr<BodyMotion> make_sprung_joint(const Scenario& scenario) {
   const OdeSettings& ode = scenario.ode;
   const Softness softness = ode.softness(scenario.step_s);
   if (softness.cfm == 0) return std::make_unique<RigidJoint>(scenario);

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "scenario/draft.hpp"
-#include "scenario/nearest.hpp"
+#include "model/draft.hpp"
+#include "model/nearest.hpp"
 
 namespace odeval {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "scenario/draft.hpp"
+#include "model/draft.hpp"
 
 namespace odeval {
 

@@ -1,11 +1,11 @@
-#include "scenario/draft.hpp"
+#include "model/draft.hpp"
 
 #include <fmt/format.h>
 
 #include <sstream>
 
+#include "model/one_line.hpp"
 #include "odeval/error.hpp"
-#include "scenario/one_line.hpp"
 
 namespace odeval {
 

@@ -1,4 +1,4 @@
-#include "reference/bodies/bouncing_ball.hpp"
+#include "reference/bodies/balls.hpp"
 
 #include <fmt/format.h>
 

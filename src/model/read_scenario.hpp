@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
+#include "model/override.hpp"
+#include "model/scenario_keys.hpp"
 #include "odeval/scenario.hpp"
-#include "scenario/override.hpp"
-#include "scenario/scenario_keys.hpp"
 
 namespace odeval {
 
