@@ -282,8 +282,9 @@ class Folder {
     std::error_code error;
     if (!fs::is_directory(root, error)) throw UserError(root.string() + ": no such folder of results");
     for (fs::recursive_directory_iterator entry(root, error), end; !error && entry != end; entry.increment(error)) {
-      const fs::path file = entry->path().lexically_relative(root);
-      if (entry->is_regular_file(error) && !file.filename().string().starts_with('.')) files_.insert(file.string());
+      const bool hidden = entry->path().filename().string().starts_with('.');  // no result: what a tool keeps there
+      if (hidden) entry.disable_recursion_pending();
+      if (!hidden && entry->is_regular_file(error)) files_.insert(entry->path().lexically_relative(root).string());
     }
     if (error) throw UserError(root.string() + ": cannot be read: " + error.message());
     const bool results = std::ranges::any_of(files_, [](const std::string& file) {
