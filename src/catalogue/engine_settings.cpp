@@ -8,6 +8,7 @@ namespace {
 bool anywhere(const Scenario&) { return true; }
 bool touching(const Scenario& scenario) { return scenario.wall || scenario.ground; }
 bool constrained(const Scenario& scenario) { return !scenario.links.empty() || scenario.joint || touching(scenario); }
+bool sprung(const Scenario& scenario) { return scenario.joint.has_value(); }
 bool rubbing(const Scenario& scenario) { return scenario.ground && scenario.ground->friction > 0; }
 
 constexpr EngineSetting on_constraints(std::string_view key) { return {key, constrained, "joints or contacts"}; }
@@ -22,6 +23,9 @@ constexpr std::array of_quickstep{
     EngineSetting{"ode.start", anywhere, ""}, EngineSetting{"ode.gyroscopic", anywhere, ""}};
 constexpr std::size_t only_quickstep = 3;
 constexpr std::array of_accurate_step{on_contacts("ode.bounce")};
+constexpr EngineSetting on_spring(std::string_view key) { return {key, sprung, "joints or contacts"}; }
+constexpr std::array of_closed_form{on_spring("ode.erp"), on_spring("ode.cfm"), on_spring("ode.kp"),
+                                    on_spring("ode.kd")};
 constexpr std::array of_feedback{EngineSetting{"maximal.ks", anywhere, ""}, EngineSetting{"maximal.kd", anywhere, ""}};
 constexpr std::array of_tolerances{EngineSetting{"rtol", anywhere, ""}, EngineSetting{"atol", anywhere, ""}};
 
@@ -31,6 +35,7 @@ std::span<const EngineSetting> no_settings() { return {}; }
 std::span<const EngineSetting> step_settings() { return quickstep_settings().subspan(only_quickstep); }
 std::span<const EngineSetting> quickstep_settings() { return of_quickstep; }
 std::span<const EngineSetting> accurate_step_settings() { return of_accurate_step; }
+std::span<const EngineSetting> closed_form_settings() { return of_closed_form; }
 std::span<const EngineSetting> feedback_settings() { return of_feedback; }
 std::span<const EngineSetting> tolerance_settings() { return of_tolerances; }
 

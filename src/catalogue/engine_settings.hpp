@@ -21,6 +21,8 @@ std::span<const EngineSetting> step_settings();
 std::span<const EngineSetting> quickstep_settings();
 /// What the accurate step reads: restitution alone, since it keeps joints and contacts exactly.
 std::span<const EngineSetting> accurate_step_settings();
+/// What the closed form of bodies at a joint reads: their spring is made of it.
+std::span<const EngineSetting> closed_form_settings();
 /// The feedback of joint errors.
 std::span<const EngineSetting> feedback_settings();
 /// Tolerances of adaptive methods.

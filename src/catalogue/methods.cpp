@@ -104,7 +104,7 @@ constexpr std::array table{
     Method{"maximal-ode-step", "one dWorldStep rebuilt", "ODE's own scheme, fixed step", cartesian, 1, 0, 0,
            one_link_or_no_wall, reference::make_maximal_ode_step, step_settings, hinge_rows_cfm},
     Method{"analytic", "closed form", "elliptic functions and the like", generalized, 0, 0, 0, closed_form,
-           make_analytic, no_settings, mass_matrix},
+           make_analytic, closed_form_settings, mass_matrix},
 };
 
 }  // namespace

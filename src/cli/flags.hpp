@@ -43,7 +43,8 @@ class Flag {
   CLI::Option* option_;
 };
 
-/// The flags and arguments of one command. What is read is written into the variables, which have to outlive this.
+/// The flags and arguments of one command. What is read is written into the variables, which have to outlive the
+/// command line.
 class Flags {
  public:
   explicit Flags(CLI::App& app) : app_(app) {}

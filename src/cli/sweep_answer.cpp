@@ -1,7 +1,5 @@
 #include "cli/sweep_answer.hpp"
 
-#include "cli/flags.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <iostream>
 
 #include "catalogue/methods.hpp"
+#include "cli/flags.hpp"
 #include "cli/settings.hpp"
 #include "model/read_scenario.hpp"
 #include "odeval/error.hpp"

@@ -226,8 +226,8 @@ void springs_are_shown_as_told() {
   }
 }
 
-/// The other way round: what a method is said to read moves it in some family. Two settings of overlaps have no stage
-/// where ODE's step, rebuilt for links, is deep enough in the wall.
+/// The other way round: what a method is said to read moves it in some family. Of ODE's step, rebuilt for links, no
+/// stage is deep enough in the wall for the two settings of overlaps, and none has springs.
 void settings_act() {
   for (const Row& row : rows) {
     if (!catalogue::is_engine_setting(row.key)) continue;

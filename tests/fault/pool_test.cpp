@@ -14,6 +14,7 @@
 
 #include "odeval/error.hpp"
 #include "tests/check.hpp"
+#include "tests/fault/at_hand.hpp"
 
 namespace {
 
@@ -171,21 +172,11 @@ void preparations() {
   }
 }
 
-/// In a worker: whether a task lies behind the one under way.
-bool more_at_hand() {
-  for (int descriptor = 3; descriptor < 64; ++descriptor) {
-    char begin = 0;
-    const ssize_t size = ::recv(descriptor, &begin, 1, MSG_PEEK | MSG_DONTWAIT | MSG_TRUNC);
-    if (size == static_cast<ssize_t>(sizeof(Task))) return true;
-  }
-  return false;
-}
-
 // Jobs of any length wait for the next free worker, and none behind another, unless the user says so.
 void at_hand() {
   const Work work{{}, [](long, long, std::string_view) {
                     pause(2);
-                    return std::string(more_at_hand() ? "more" : "none");
+                    return std::string(test::more_at_hand() ? "more" : "none");
                   }};
   const auto any_more = [&](double at_hand_s) {
     PoolOptions options;

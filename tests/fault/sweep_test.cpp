@@ -21,6 +21,7 @@
 #include "odeval/error.hpp"
 #include "run/worker.hpp"
 #include "tests/check.hpp"
+#include "tests/fault/at_hand.hpp"
 
 // In the place of the C library's.
 static int syncs = 0;
@@ -247,23 +248,12 @@ void stopped_and_continued(const fs::path& file) {
   check_rows(file, 3, undisturbed);
 }
 
-/// In a worker: whether a task lies behind the one under way. Of its descriptors one brings tasks; another, its
-/// parent's end, has answers, which are longer.
-bool more_at_hand() {
-  for (int descriptor = 3; descriptor < 64; ++descriptor) {
-    char begin = 0;
-    const ssize_t size = ::recv(descriptor, &begin, 1, MSG_PEEK | MSG_DONTWAIT | MSG_TRUNC);
-    if (size == static_cast<ssize_t>(sizeof(run::Task))) return true;
-  }
-  return false;
-}
-
 // Answers that lay there while the sweep was stopped are no slow runs: the last runs still come to hand before their
 // turn. Were the stop counted, the mean run would take 2.5 s / 47 tasks or more, and no task be given ahead.
 void at_hand_after_a_stop(const fs::path& file) {
   constexpr long count = 40;
   const Work work{good_preparation, [](long, long, std::string_view) {
-                    const bool more = more_at_hand();
+                    const bool more = test::more_at_hand();
                     work_for(0.003);
                     return Row{Status::ok, "", 1, more ? "more" : "none"};
                   }};
