@@ -6,8 +6,8 @@
 
 namespace odeval::test {
 
-/// In a worker: whether a task lies behind the one under way. Of its descriptors one brings tasks; another, its parent's
-/// end, has answers, which are longer.
+/// In a worker: whether a task lies behind the one under way. Of its descriptors one brings tasks; another, its
+/// parent's end, has answers, which are longer.
 inline bool more_at_hand() {
   for (int descriptor = 3; descriptor < 64; ++descriptor) {
     char begin = 0;
