@@ -1,6 +1,7 @@
 #pragma once
 // How far the reference of bodies says it may be off, beside how far it is off.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 
@@ -49,6 +50,34 @@ inline void add_position(Coverage& coverage, const Scenario& scenario, double t,
     squares += off * off;
   }
   coverage.add(std::sqrt(squares), reference.uncertainty_position[1]);
+}
+
+/// Of a rotation vector, by rows, as Rodrigues' formula reads.
+inline std::array<long double, 9> long_rotation(const std::array<long double, 3>& turn) {
+  const auto [x, y, z] = turn;
+  const long double angle = std::sqrt(x * x + y * y + z * z);
+  const long double c = std::cos(angle);
+  const long double s = angle == 0 ? 1 : std::sin(angle) / angle;
+  const long double r = angle == 0 ? 0.5L : 2 * std::pow(std::sin(angle / 2) / angle, 2);
+  return {c + r * x * x,     r * x * y - s * z, r * x * z + s * y, r * x * y + s * z, c + r * y * y,
+          r * y * z - s * x, r * x * z - s * y, r * y * z + s * x, c + r * z * z};
+}
+
+/// The attitude of body i at t against that of a body that keeps its spin.
+inline void add_turn(Coverage& coverage, const Scenario& scenario, double t, std::size_t body) {
+  const Reference reference = reference_at(scenario, t);
+  const Vec3& turn = scenario.bodies[body].turn_rad;
+  const Vec3& spin = scenario.bodies[body].spin_rad_s;
+  const long double time = t;
+  const auto start = long_rotation({turn[0], turn[1], turn[2]});
+  const auto since = long_rotation({spin[0] * time, spin[1] * time, spin[2] * time});
+  long double off = 0;
+  for (std::size_t k = 0; k < 9; ++k) {
+    long double wanted = 0;
+    for (std::size_t j = 0; j < 3; ++j) wanted += since[k / 3 * 3 + j] * start[3 * j + k % 3];
+    off = std::fmax(off, std::fabs(reference.trace.bodies[body].rotation[k][1] - wanted));
+  }
+  coverage.add(off, reference.uncertainty_turn[1]);
 }
 
 }  // namespace odeval::test

@@ -76,6 +76,20 @@ void closed_form() {
   coverage.check(0.022);
 }
 
+// Without friction no impact changes the spin.
+void attitude() {
+  test::Coverage coverage("attitudes of balls");
+  for (const Vec3& spin : {Vec3{}, Vec3{0.3, -0.2, 0.1}, Vec3{3, -20, 7}}) {
+    for (double angle = 0.1; angle < 3; angle += 0.4) {
+      Scenario scenario = ball(1, 0, 0.7);
+      scenario.bodies[0].turn_rad = {angle / 3, -angle, angle / 2};
+      scenario.bodies[0].spin_rad_s = spin;
+      for (double t = 0.0137; t < 20; t += 0.37) test::add_turn(coverage, scenario, t, 0);
+    }
+  }
+  coverage.check(0.3);
+}
+
 void rest() {
   Scenario scenario = ball(1, 0, 0.7);
   scenario.bodies[0].velocity_m_s = {};
@@ -225,6 +239,7 @@ void breaks() {
 
 int main() {
   closed_form();
+  attitude();
   rest();
   refusals();
   own_law("ode-step-double", 1e-12);

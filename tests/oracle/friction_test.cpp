@@ -91,6 +91,17 @@ void closed_form() {
   coverage.check(0.063);
 }
 
+// A box keeps the attitude that it was given.
+void attitude() {
+  test::Coverage coverage("attitudes of a sliding box");
+  for (double angle = 0.1; angle < 3; angle += 0.1) {
+    Scenario scenario = slide();
+    scenario.bodies[0].turn_rad = {0, 0, angle};
+    for (const double t : {0.05, 2.0}) test::add_turn(coverage, scenario, t, 0);
+  }
+  coverage.check(0.3);
+}
+
 void stopping() {
   const auto level = reference::make_body_motion(slide());
   CHECK_NEAR(level->at_rest_from(), 2 / (0.3 * 9.81), 1e-15);
@@ -262,6 +273,7 @@ void creep() {
 
 int main() {
   closed_form();
+  attitude();
   stopping();
   constant_force();
   refusals();

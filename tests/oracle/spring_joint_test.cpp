@@ -201,6 +201,31 @@ void stated_uncertainty() {
     test::add_position(of_rigid, scenario, t, 1, {0, 0, scenario.bodies[1].position_m[2] + 0.25L * closed - fallen});
   }
   of_rigid.check(0.22);
+
+  test::Coverage of_turns("attitudes in a joint");
+  for (double angle = 0.1; angle < 3; angle += 0.1) {
+    Scenario turned = cube(Joint::Kind::ball, 9.81);
+    turned.bodies[0].turn_rad = {angle / 3, -angle, angle / 2};
+    for (const Softness softness : {Softness{0.2, 0}, Softness{0.2, 1e-5}}) {
+      turned.ode.erp = softness.erp;
+      turned.ode.cfm = softness.cfm;
+      test::add_turn(of_turns, turned, 0.5, 0);
+    }
+  }
+  of_turns.check(0.3);
+}
+
+// No step has ended at the start: row 0 shows the force of the first one, which closes ERP of the gap from rest. By
+// hand: 0.75 kg (0.2 0.02 m / 1 ms) / 1 ms, good to some roundings.
+void first_force() {
+  Scenario scenario = sticks(9.81);
+  scenario.ode.erp = 0.2;
+  scenario.ode.cfm = 0;
+  const Reference reference = test::reference_at(scenario, scenario.step_s);
+  for (const std::size_t row : {0U, 1U}) {
+    CHECK_NEAR(reference.trace.bodies[0].joint_force[2][row], -3000, 1e-11);
+    CHECK_NEAR(reference.trace.bodies[1].joint_force[2][row], 3000, 1e-11);
+  }
 }
 
 struct Errors {
@@ -340,6 +365,7 @@ int main() {
   conversion();
   closed_form();
   stated_uncertainty();
+  first_force();
   law_in_closed_form();
   discrete_law();
   oscillator_order();

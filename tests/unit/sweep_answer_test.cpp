@@ -262,6 +262,16 @@ void runs_share_the_reference_of_their_motion() {
   }
 }
 
+// The first point and the last have 11 rows each, at other times.
+void as_many_rows_are_not_the_same_times() {
+  const auto axis = [](const char* text) { return sweep::parse_axis(text, [](const std::string&) { return false; }); };
+  catalogue::GridRuns runs(
+      file_of("double_pendulum"), {}, cli::known_names(),
+      sweep::Grid({axis("duration=0.1,0.2"), axis("sample=0.01,0.02"), {"method", {"ode-step-double"}}}));
+  const std::vector<std::uint32_t> wanted{0, 1, 2, 3};
+  CHECK(runs.groups() == wanted);
+}
+
 }  // namespace
 
 int main() {
@@ -270,6 +280,7 @@ int main() {
   every_run_has_its_row(name + "/rows");
   the_front_is_of_runs_that_went_through(name + "/front");
   runs_share_the_reference_of_their_motion();
+  as_many_rows_are_not_the_same_times();
   fs::remove_all(name);
   return test::verdict();
 }
