@@ -265,8 +265,9 @@ void runs_share_the_reference_of_their_motion() {
 // The first point and the last have 11 rows each, at other times.
 void as_many_rows_are_not_the_same_times() {
   const auto axis = [](const char* text) { return sweep::parse_axis(text, [](const std::string&) { return false; }); };
+  const ScenarioFile file = file_of("double_pendulum");
   catalogue::GridRuns runs(
-      file_of("double_pendulum"), {}, cli::known_names(),
+      file, {}, cli::known_names(),
       sweep::Grid({axis("duration=0.1,0.2"), axis("sample=0.01,0.02"), {"method", {"ode-step-double"}}}));
   const std::vector<std::uint32_t> wanted{0, 1, 2, 3};
   CHECK(runs.groups() == wanted);
