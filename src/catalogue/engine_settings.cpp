@@ -19,7 +19,7 @@ constexpr std::array of_quickstep{
     // and what dWorldStep reads as well:
     on_constraints("ode.erp"), on_constraints("ode.cfm"), on_constraints("ode.kp"), on_constraints("ode.kd"),
     on_contacts("ode.bounce"), on_contacts("ode.bounce_vel"), on_contacts("ode.max_correcting_vel"),
-    on_contacts("ode.surface_layer"), EngineSetting{"ode.friction_axes", rubbing, "friction"},
+    on_contacts("ode.surface_layer"), EngineSetting{"ode.friction_axes", rubbing, "contacts that rub"},
     EngineSetting{"ode.start", anywhere, ""}, EngineSetting{"ode.gyroscopic", anywhere, ""}};
 constexpr std::size_t only_quickstep = 3;
 constexpr std::array of_accurate_step{on_contacts("ode.bounce")};

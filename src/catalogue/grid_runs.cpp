@@ -64,7 +64,7 @@ std::vector<std::uint32_t> GridRuns::groups(const std::function<void(long run)>&
   for (long run = 0; run < grid_.runs(); ++run) {
     std::vector<std::size_t> places = grid_.places(run);
     places.pop_back();
-    if (places == point_before) {
+    if (run > 0 && places == point_before) {
       groups[static_cast<std::size_t>(run)] = groups[static_cast<std::size_t>(run - 1)];
       continue;
     }
