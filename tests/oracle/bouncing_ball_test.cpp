@@ -87,7 +87,7 @@ void attitude() {
       for (double t = 0.0137; t < 20; t += 0.37) test::add_turn(coverage, scenario, t, 0);
     }
   }
-  coverage.check(0.3);
+  coverage.check(0.65);
 }
 
 void rest() {

@@ -99,7 +99,7 @@ void attitude() {
     scenario.bodies[0].turn_rad = {0, 0, angle};
     for (const double t : {0.05, 2.0}) test::add_turn(coverage, scenario, t, 0);
   }
-  coverage.check(0.3);
+  coverage.check(0.5);
 }
 
 void stopping() {

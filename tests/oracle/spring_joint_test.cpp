@@ -212,7 +212,7 @@ void stated_uncertainty() {
       test::add_turn(of_turns, turned, 0.5, 0);
     }
   }
-  of_turns.check(0.3);
+  of_turns.check(0.58);
 }
 
 // No step has ended at the start: row 0 shows the force of the first one, which closes ERP of the gap from rest. By
