@@ -476,6 +476,66 @@ void check_all_methods() {
   });
 }
 
+// ode-quickstep-double is dWorldQuickStep with the scenario's settings: a bare world of the same links, to the last
+// bit, since both are the same calls in the same library. Seven iterations do not converge, so each setting shows.
+void check_quickstep_settings() {
+  Scenario scenario = test::report_scenario("double_pendulum", 0.2, h);
+  scenario.ode.erp = 0.35;
+  scenario.ode.cfm = 3e-6;
+  scenario.ode.iterations = 7;
+  scenario.ode.sor_w = 1.1;
+  scenario.ode.seed = 12345;
+  const auto run = catalogue::Evaluator(scenario).evaluate(catalogue::find_method("ode-quickstep-double"));
+
+  const dWorldID world_of_links = dWorldCreate();
+  dWorldSetGravity(world_of_links, 0, 0, -scenario.gravity);
+  dWorldSetERP(world_of_links, 0.35);
+  dWorldSetCFM(world_of_links, 3e-6);
+  dWorldSetQuickStepNumIterations(world_of_links, 7);
+  dWorldSetQuickStepW(world_of_links, 1.1);
+  dWorldSetMaxAngularSpeed(world_of_links, dInfinity);
+  const PlanarFrame& frame = scenario.problem->frame;
+  const Vec3 turn = frame.axis();
+  Vec3 near = frame.hinge_m;
+  double angle = 0;
+  std::vector<dBodyID> links;
+  std::vector<dJointFeedback> feedback(2);
+  for (std::size_t i = 0; i < 2; ++i) {
+    angle += scenario.q0[i];
+    const dBodyID body = dBodyCreate(world_of_links);
+    dBodySetFiniteRotationMode(body, 0);
+    dMass mass;
+    dMassSetBoxTotal(&mass, 1, 0.1, 0.1, 1);
+    dBodySetMass(body, &mass);
+    dMatrix3 rotation;
+    dRFromAxisAndAngle(rotation, turn[0], turn[1], turn[2], angle + frame.rest_turn_rad);
+    dBodySetRotation(body, rotation);
+    const auto& centre = run.trace.bodies[i].position;
+    dBodySetPosition(body, centre[0][0], centre[1][0], centre[2][0]);
+    const dJointID hinge = dJointCreateHinge(world_of_links, nullptr);
+    dJointAttach(hinge, i == 0 ? body : links[0], i == 0 ? nullptr : body);
+    dJointSetHingeAnchor(hinge, near[0], near[1], near[2]);
+    dJointSetHingeAxis(hinge, frame.hinge_axis[0], frame.hinge_axis[1], frame.hinge_axis[2]);
+    dJointSetFeedback(hinge, &feedback[i]);
+    links.push_back(body);
+    for (std::size_t k = 0; k < 3; ++k)
+      near[k] += std::cos(angle) * frame.horizontal[k] + std::sin(angle) * frame.up[k];
+  }
+  dRandSetSeed(12345);
+  CHECK_EQUAL(run.trace.rows(), std::size_t{201});
+  long unequal = 0;
+  for (std::size_t row = 0; row < run.trace.rows(); ++row) {
+    if (row > 0) dWorldQuickStep(world_of_links, h);
+    for (std::size_t i = 0; i < 2; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (run.trace.bodies[i].position[k][row] != dBodyGetPosition(links[i])[k]) ++unequal;
+      }
+    }
+  }
+  CHECK_EQUAL(unequal, 0L);
+  dWorldDestroy(world_of_links);
+}
+
 }  // namespace
 
 int main() {
@@ -490,5 +550,6 @@ int main() {
   check_wrong_variants();
   check_contacts_against_collider();
   check_all_methods();
+  check_quickstep_settings();
   return test::verdict();
 }
