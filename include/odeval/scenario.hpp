@@ -1,106 +1,19 @@
 #pragma once
-// What is simulated and with which settings: one TOML file, checked, with the command line on top.
+// What is simulated and with which settings: a mechanism, its start, how long. Files are read by src/model.
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
-#include "odeval/problem.hpp"
+#include "odeval/mechanism.hpp"
+#include "odeval/planar_view.hpp"
 
 namespace odeval {
-
-enum class Shape { box, sphere };
-
-/// A link of mass between its hinge and the next one, `length` away.
-///
-/// box   uniform; `width` lies in the plane of swing, `depth` along the hinge
-/// ball  a uniform sphere of diameter `width` about the next hinge, on a massless rod; `depth` is its `width`
-struct Link {
-  double mass_kg = 0;
-  double length_m = 0;
-  double width_m = 0;
-  double depth_m = 0;
-  Shape shape = Shape::box;
-
-  /// Distance of the centre of mass from the near hinge, m.
-  double centre_m() const { return shape == Shape::box ? length_m / 2 : length_m; }
-  /// Of the far hinge from the centre of mass, m.
-  double beyond_centre_m() const { return length_m - centre_m(); }
-
-  // Moments of inertia about the centre, kg m².
-  /// For rotation in the plane (report, D.1).
-  double inertia_kgm2() const { return moment_kgm2(length_m, width_m); }
-  /// About the link's own direction.
-  double inertia_along_kgm2() const { return moment_kgm2(width_m, depth_m); }
-  /// About the direction across it in the plane.
-  double inertia_across_kgm2() const { return moment_kgm2(length_m, depth_m); }
-
- private:
-  /// a and b: the sides of a box across the axis.
-  double moment_kgm2(double a, double b) const {
-    return shape == Shape::box ? mass_kg * (a * a + b * b) / 12.0 : mass_kg * width_m * width_m / 10.0;
-  }
-};
-
-/// A uniform rigid body. World frame; its own axes are the world's, turned by `turn`.
-struct Body {
-  Shape shape = Shape::box;
-  double mass_kg = 0;
-  Vec3 size_m{};        // sides along its own axes; of a sphere the diameter, three times
-  Vec3 position_m{};    // of its centre
-  Vec3 turn_rad{};      // rotation vector
-  Vec3 velocity_m_s{};  // of its centre
-  Vec3 spin_rad_s{};
-  double aspect = 1;  // already in size_m: by how much the sides x and y were divided
-
-  /// Moments of inertia about its own axes through the centre, kg m².
-  Vec3 inertia_kgm2() const {
-    const auto [x, y, z] = size_m;
-    if (shape == Shape::sphere) return {mass_kg * x * x / 10, mass_kg * y * y / 10, mass_kg * z * z / 10};
-    return {mass_kg * (y * y + z * z) / 12, mass_kg * (z * z + x * x) / 12, mass_kg * (x * x + y * y) / 12};
-  }
-
-  /// Number of its own axis along the longest side; of equally long ones the last.
-  std::size_t long_axis() const {
-    const auto [x, y, z] = size_m;
-    return z >= x && z >= y ? 2 : y >= x ? 1 : 0;
-  }
-};
-
-/// What bounds the force of friction on a body.
-enum class FrictionModel {
-  pyramid,   // a coefficient times the normal force (ODE's dContactApprox1)
-  constant,  // a force, whatever the normal force is
-};
-
-/// A plane through the origin that falls towards +x, and that nothing passes.
-struct Ground {
-  double slope_rad = 0;
-  double restitution = 0;
-  double friction = 0;  // a coefficient; in the constant-force model newtons, of a whole body
-  FrictionModel friction_model = FrictionModel::pyramid;
-
-  /// Unit, away from what is solid.
-  Vec3 normal() const { return {std::sin(slope_rad), 0, std::cos(slope_rad)}; }
-  Vec3 downhill() const { return {std::cos(slope_rad), 0, -std::sin(slope_rad)}; }
-};
-
-/// A flat wall that fills x <= face (world frame).
-struct Wall {
-  double face_m = 0;
-  double restitution = 1;
-};
-
-/// What holds the first body: to the world where it is alone, to the second body where there are two.
-struct Joint {
-  enum class Kind { ball, hinge };
-  Kind kind = Kind::ball;
-  Vec3 anchor_m{};        // where its halves meet when it is closed, world frame
-  Vec3 axis{0, 1, 0};     // of a hinge, unit
-  Vec3 displacement_m{};  // from there to the first body's half at t = 0
-};
 
 enum class Start { as_given, half_step };
 
@@ -168,22 +81,33 @@ struct Tolerance {
   std::optional<double> at_least;
 };
 
+/// Which touches are told as impacts, and in which coordinate: the view for those.
+struct ImpactView {
+  std::size_t body = 0;
+  Vec3 normal{};                     // unit, away from what is struck
+  bool as_angle = false;             // the coordinate is q1 of the planar view, not the height along the normal
+  bool as_rate = false;              // rates are those of the body's angle, not of its way along the normal
+  std::optional<double> touches_at;  // m along the normal, where the body's centre stands as it begins to touch, which
+                                     // gives the depth; absent: the depth is that of the deepest contact
+  std::optional<int> link = {};      // told with the impact
+};
+
+/// What a file says of the mechanism, completed: a key ("links.0.mass") and its value. Summaries show it.
+using SettingValue = std::variant<double, std::int64_t, std::string, std::vector<double>>;
+using Definition = std::vector<std::pair<std::string, SettingValue>>;
+
 struct Scenario {
-  std::string name;  // stem of the file; names the result folder
-  std::string file;  // where it was read, for messages
-  const Problem* problem = nullptr;
+  std::string name;     // stem of the file; names the result folder
+  std::string file;     // where it was read, for messages
+  std::string summary;  // what is simulated, in a line
+  Mechanism mechanism;
+  std::shared_ptr<const PlanarView> planar;  // null: no joint coordinates
+  std::vector<ImpactView> impact_views;      // one for each thing that has impacts of its own
+  Definition definition;
   double duration_s = 0;
   double step_s = 1e-3;
   std::optional<double> sample_s;  // absent: a row every step
   double gravity = 9.81;           // m/s², along -z
-  std::optional<int> n;            // links of a chain; absent: as many as are listed
-  std::vector<double> q0;          // rad; q1 from the horizontal, the others relative to the link before
-  std::vector<double> qd0;         // rad/s
-  std::vector<Link> links;
-  std::optional<Wall> wall;
-  std::vector<Body> bodies;
-  std::optional<Ground> ground;
-  std::optional<Joint> joint;
   OdeSettings ode;
   MaximalSettings maximal;
   std::optional<double> rtol;  // absent: each adaptive method's own default
@@ -191,9 +115,10 @@ struct Scenario {
   std::vector<std::string> methods;
   std::vector<Tolerance> tolerances;
 
-  Family family() const { return problem->family; }
-  /// Of whatever the bodies strike; 0 where there is nothing.
-  double restitution() const { return wall ? wall->restitution : ground ? ground->restitution : 0; }
+  /// Of whatever touches first; 0 where nothing does.
+  double restitution() const { return mechanism.contacts.empty() ? 0 : mechanism.contacts.front().restitution; }
+  /// Where a camera stands, and what is up.
+  const PlanarFrame& frame() const { return planar ? planar->frame : space_frame; }
 };
 
 /// The rows of a trace: row k stands at time(k) = k * stride * step, computed by multiplication.

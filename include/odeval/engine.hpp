@@ -1,0 +1,106 @@
+#pragma once
+// The one door through which every way of moving a scenario is used, and what each way can do.
+#include <cstdint>
+#include <initializer_list>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "odeval/motion.hpp"
+#include "odeval/scenario.hpp"
+
+namespace odeval {
+
+/// A scenario loaded into an engine, at t = 0 and ready to move. Set-up is the constructor's work.
+class Simulation {
+ public:
+  virtual ~Simulation() = default;
+
+  /// What a sample of its motion holds.
+  virtual SampleShape shape() const = 0;
+
+  /// Moves from t = 0 to the end of the grid, once. A recorder that records gets a sample a row (t = 0 included);
+  /// without one, it does nothing but step, which is what `bench` times.
+  /// A run that blows up ends early with the samples so far and `diverged` set.
+  virtual Outcome run(Recorder recorder) = 0;
+};
+
+/// Throws UserError when the scenario asks for what the engine cannot do.
+using MakeSimulation = std::unique_ptr<Simulation> (*)(const Scenario&, const SampleGrid&);
+
+/// What a scenario may ask of an engine beyond one link that swings freely.
+enum class Feature : std::uint8_t {
+  space,              // bodies that are no links in a plane
+  several_links,      // two or more
+  many_links,         // three or more
+  wall,               // links that strike something
+  wall_of_several,    // more than one of them
+  ground,             // contacts of bodies in space
+  friction,           // of any contact
+  joints_in_space,    // joints of bodies that are no links in a plane
+  motors,
+  stops,
+  inertia,            // a tensor of its own, not that of a uniform solid
+};
+
+/// The features in words ("friction"), in the order of the enumeration.
+std::span<const std::string_view> feature_names();
+
+/// A set of features.
+class Features {
+ public:
+  constexpr Features() = default;
+  constexpr Features(std::initializer_list<Feature> features) {
+    for (const Feature feature : features) bits_ |= bit(feature);
+  }
+  constexpr bool has(Feature feature) const { return (bits_ & bit(feature)) != 0; }
+  constexpr bool empty() const { return bits_ == 0; }
+  constexpr void add(Feature feature) { bits_ |= bit(feature); }
+  /// Those of a that b lacks.
+  friend constexpr Features operator-(Features a, Features b) {
+    a.bits_ &= ~b.bits_;
+    return a;
+  }
+  friend constexpr Features operator|(Features a, Features b) {
+    a.bits_ |= b.bits_;
+    return a;
+  }
+
+ private:
+  static constexpr std::uint32_t bit(Feature feature) { return 1U << static_cast<unsigned>(feature); }
+  std::uint32_t bits_ = 0;
+};
+
+/// What a scenario asks of whoever moves it.
+Features features_of(const Scenario& scenario);
+
+/// "no friction, no stops": what is asked and not there.
+std::string lacking(Features lacking);
+
+/// A key that an engine reads, and where it makes a difference.
+struct EngineSetting {
+  std::string_view key;              // "ode.erp"
+  bool (*matters)(const Scenario&);  // whether the engine finds in the scenario what the setting acts on
+  std::string_view acts_on;          // that, in words: "joints or contacts"
+};
+
+/// The matrix that a formulation inverts, whose condition number the trace shows (measure/conditioning.hpp).
+enum class SystemMatrix { none, mass_matrix, hinge_rows, hinge_rows_cfm, planar_joints };
+
+/// One way of moving a scenario: a row of a table, and nothing else says what it is.
+struct Engine {
+  std::string_view name;         // as --method says it
+  std::string_view formulation;  // in words, for tables
+  std::string_view advanced_by;  // likewise: what takes a step
+  int order = 0;                 // of convergence in the step; 0: no fixed step
+  double rtol = 0;               // its own tolerances, which --rtol and --atol replace; 0: it has none
+  double atol = 0;
+  Features can;                                    // of what a scenario may ask
+  MakeSimulation make = nullptr;                   // null: left out of this build
+  std::span<const EngineSetting> settings = {};    // what it reads and the motion does not
+  SystemMatrix inverts = SystemMatrix::none;
+  std::string_view why_missing = {};  // why `make` is null, and what would bring it
+};
+
+}  // namespace odeval

@@ -1,0 +1,40 @@
+#pragma once
+// Points and directions in space: the one place that says how they are added, turned and measured.
+//
+// Sums stand in a fixed order, x before y before z, and no product is fused: the same numbers give the same bits in every
+// folder. (Eigen's own dot product of three adds y and z first, so points that are recorded are not Eigen's.)
+#include <array>
+#include <cmath>
+
+namespace odeval {
+
+/// x, y, z. World frame unless it says otherwise: z points up.
+using Vec3 = std::array<double, 3>;
+
+constexpr double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+constexpr Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+constexpr Vec3 operator+(const Vec3& a, const Vec3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+constexpr Vec3 operator-(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+constexpr Vec3 operator*(double s, const Vec3& a) { return {s * a[0], s * a[1], s * a[2]}; }
+
+/// Euclidean, without protection against overflow.
+inline double length(const Vec3& a) { return std::sqrt(dot(a, a)); }
+inline double distance(const Vec3& a, const Vec3& b) { return length(a - b); }
+
+/// The direction of a vector that has one.
+inline Vec3 unit(const Vec3& a) { return (1 / length(a)) * a; }
+
+/// A direction that is fixed in a body, in the world; `rotation` is body to world, by rows.
+constexpr Vec3 turned(const std::array<double, 9>& rotation, const Vec3& v) {
+  return {dot({rotation[0], rotation[1], rotation[2]}, v), dot({rotation[3], rotation[4], rotation[5]}, v),
+          dot({rotation[6], rotation[7], rotation[8]}, v)};
+}
+
+/// One of a body's own axes (0, 1, 2) in the world: a column of its rotation.
+constexpr Vec3 axis_of(const std::array<double, 9>& rotation, std::size_t axis) {
+  return {rotation[axis], rotation[3 + axis], rotation[6 + axis]};
+}
+
+}  // namespace odeval

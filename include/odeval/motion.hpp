@@ -1,0 +1,127 @@
+#pragma once
+// What moves, sample by sample: written by a stepping loop, read by whoever measures.
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "odeval/geometry.hpp"
+
+namespace odeval {
+
+/// A body in the world frame.
+struct BodyState {
+  Vec3 position{};                   // centre of mass, m
+  std::array<double, 9> rotation{};  // body to world, by rows
+  Vec3 velocity{};                   // of the centre of mass, m/s
+  Vec3 spin{};                       // rad/s
+  double angle = 0;  // of a link in a plane: absolute, followed from step to step so that no turn is lost, rad; else 0
+};
+
+/// A joint in the world frame.
+struct JointState {
+  Vec3 force{};  // on the body that the joint carries (Joint::carried), N; an engine's is that of the step that led to
+                 // the sample (of the first sample: the first step's)
+};
+
+/// How much one sample holds. Bodies and joints, or joint coordinates: what a method does not have is 0.
+struct SampleShape {
+  std::size_t bodies = 0;
+  std::size_t joints = 0;
+  std::size_t coordinates = 0;
+};
+
+/// One sample of a motion; the spans are as long as the motion's shape says.
+template <class Body, class Joint, class Number>
+struct BasicSample {
+  std::span<Body> bodies;
+  std::span<Joint> joints;
+  std::span<Number> q;   // rad
+  std::span<Number> qd;  // rad/s
+  Number& contacts;      // contact joints in the step that led here
+};
+using Sample = BasicSample<BodyState, JointState, double>;
+using ConstSample = BasicSample<const BodyState, const JointState, const double>;
+
+/// Samples in the order of time, in memory that is allocated and touched before the run starts.
+class Motion {
+ public:
+  Motion(const SampleShape& shape, std::size_t capacity)
+      : shape_(shape),
+        bodies_(shape.bodies * capacity),
+        joints_(shape.joints * capacity),
+        coordinates_(2 * shape.coordinates * capacity),
+        contacts_(capacity) {}
+
+  const SampleShape& shape() const { return shape_; }
+  std::size_t size() const { return size_; }
+
+  Sample operator[](std::size_t k) { return sample<Sample>(*this, k); }
+  ConstSample operator[](std::size_t k) const { return sample<ConstSample>(*this, k); }
+
+  /// The next sample to fill, all zero. The caller never asks for more than the capacity.
+  Sample append() { return (*this)[size_++]; }
+
+ private:
+  template <class S, class Self>
+  static S sample(Self& self, std::size_t k) {
+    const SampleShape& shape = self.shape_;
+    auto* const q = self.coordinates_.data() + 2 * shape.coordinates * k;
+    return {{self.bodies_.data() + shape.bodies * k, shape.bodies},
+            {self.joints_.data() + shape.joints * k, shape.joints},
+            {q, shape.coordinates},
+            {q + shape.coordinates, shape.coordinates},
+            self.contacts_[k]};
+  }
+
+  SampleShape shape_;
+  std::size_t size_ = 0;
+  std::vector<BodyState> bodies_;
+  std::vector<JointState> joints_;
+  std::vector<double> coordinates_;  // q, then qd, of each sample
+  std::vector<double> contacts_;
+};
+
+/// What a stepping loop calls: nothing is allocated, and nothing happens where nobody records.
+class Recorder {
+ public:
+  /// Records nothing: what `bench` times.
+  Recorder() = default;
+  explicit Recorder(Motion& motion) : motion_(&motion) {}
+
+  explicit operator bool() const { return motion_ != nullptr; }
+
+  /// The next sample to fill. Only where something is recorded.
+  Sample next() { return motion_->append(); }
+  /// A sample that is there already.
+  Sample at(std::size_t k) { return (*motion_)[k]; }
+
+ private:
+  Motion* motion_ = nullptr;
+};
+
+/// One touch. `depth` is how far the engine let the bodies overlap (0 where the method locates the touch). What
+/// `coordinate` and the rates are, the scenario's impact view says: an angle and its rate, or a height and a speed.
+struct Impact {
+  double t = 0;
+  double q1 = 0;  // rad, or m above a ground
+  double qd_before = 0;
+  double qd_after = 0;
+  double depth = 0;
+  std::optional<int> link = {};  // which of several links, from 1
+};
+
+/// How a run went.
+struct Outcome {
+  long steps = 0;                         // accepted steps
+  long evaluations = 0;                   // of the equations of motion; 0 for an engine that does not say
+  bool diverged = false;                  // a value left the finite numbers, or the engine gave up
+  std::string reason;                     // why, when diverged
+  long messages = 0;                      // warnings of the engine
+  double at_rest_from = -1;               // s, when a cascade of impacts came to rest; < 0: never
+  std::optional<double> self_difference;  // rad, largest difference between a method's own runs at two step sizes
+  std::vector<Impact> impacts;
+};
+
+}  // namespace odeval

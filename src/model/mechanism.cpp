@@ -1,0 +1,62 @@
+#include "odeval/mechanism.hpp"
+
+#include <algorithm>
+
+namespace odeval {
+namespace {
+
+/// Calls the function of the alternative's type.
+template <class... Functions>
+struct Overloaded : Functions... {
+  using Functions::operator()...;
+};
+
+}  // namespace
+
+Vec3 sides_m(const Shape& shape) {
+  return std::visit(Overloaded{[](const Box& box) { return box.sides_m; },
+                               [](const Sphere& ball) {
+                                 return Vec3{ball.diameter_m, ball.diameter_m, ball.diameter_m};
+                               }},
+                    shape);
+}
+
+Vec3 rotation_vector(const Attitude& attitude) {
+  return std::visit(Overloaded{[](const Vec3& vector) { return vector; },
+                               [](const AxisAngle& turn) { return turn.angle_rad * turn.axis; }},
+                    attitude);
+}
+
+Vec3 Body::uniform_moments_kgm2() const {
+  const auto [x, y, z] = sides_m(shape);
+  if (is_sphere(shape)) return {mass_kg * x * x / 10, mass_kg * y * y / 10, mass_kg * z * z / 10};
+  return {mass_kg * (y * y + z * z) / 12, mass_kg * (z * z + x * x) / 12, mass_kg * (x * x + y * y) / 12};
+}
+
+std::size_t Body::long_axis() const {
+  const auto [x, y, z] = sides_m(shape);
+  return z >= x && z >= y ? 2 : y >= x ? 1 : 0;
+}
+
+const Vec3& anchor_m(const JointKind& kind) {
+  return std::visit([](const auto& joint) -> const Vec3& { return joint.anchor_m; }, kind);
+}
+
+bool Contact::is_between(std::string_view a, std::string_view b) const {
+  const auto is = [](const std::string& named, std::string_view name) { return named.empty() || named == name; };
+  return (is(first, a) && is(second, b)) || (is(first, b) && is(second, a));
+}
+
+std::optional<Carrier> carrier_of(const Mechanism& mechanism, std::size_t body) {
+  const std::vector<Joint>& joints = mechanism.joints;
+  const auto find = [&](auto holds) {
+    return static_cast<std::size_t>(std::ranges::find_if(joints, holds) - joints.begin());
+  };
+  const std::size_t carries = find([&](const Joint& joint) { return joint.carried() == body; });
+  if (carries < joints.size()) return Carrier{carries, 1};
+  const std::size_t holds = find([&](const Joint& joint) { return joint.first == body; });
+  if (holds < joints.size()) return Carrier{holds, -1};
+  return std::nullopt;
+}
+
+}  // namespace odeval
