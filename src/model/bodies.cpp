@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "model/draft.hpp"
+#include "model/generate.hpp"
 
 namespace odeval {
 
@@ -27,26 +28,25 @@ Vec3 turn_after(const Vec3& first, const Vec3& then) {
 }
 
 /// What stands in the file along the ground (downhill, across, away) into the world.
-void lay_on_ground(Scenario& scenario) {
-  const Ground& ground = *scenario.ground;
-  const Vec3 downhill = ground.downhill();
-  const Vec3 normal = ground.normal();
+void lay_on_ground(Description& said) {
+  const Vec3 normal = sloping(said.ground->slope_rad).normal;
+  const Vec3 downhill{normal[2], 0, -normal[0]};
   const auto into_world = [&](const Vec3& v) {
     return Vec3{v[0] * downhill[0] + v[2] * normal[0], v[1], v[0] * downhill[2] + v[2] * normal[2]};
   };
-  for (Body& body : scenario.bodies) {
+  for (BodyTable& body : said.bodies) {
     body.position_m = into_world(body.position_m);
     body.velocity_m_s = into_world(body.velocity_m_s);
     body.spin_rad_s = into_world(body.spin_rad_s);
-    body.turn_rad = turn_after(body.turn_rad, {0, ground.slope_rad, 0});
+    body.turn_rad = turn_after(body.turn_rad, {0, said.ground->slope_rad, 0});
   }
 }
 
 /// What `aspect` says goes into the sides, which are held to the least size again.
 void make_thin(Draft& draft) {
   constexpr double least_m = 1e-4;
-  for (std::size_t i = 0; i < draft.scenario.bodies.size(); ++i) {
-    Body& body = draft.scenario.bodies[i];
+  for (std::size_t i = 0; i < draft.said.bodies.size(); ++i) {
+    BodyTable& body = draft.said.bodies[i];
     for (const std::size_t side : {0, 1}) {
       body.size_m[side] /= body.aspect;
       if (body.size_m[side] >= least_m) continue;
@@ -58,13 +58,13 @@ void make_thin(Draft& draft) {
 
 void check_bodies(const Draft& draft) {
   for (const char* key : {"n", "links", "q0", "qd0", "maximal"}) draft.refuse(key);
-  if (draft.scenario.bodies.empty()) {
+  if (draft.said.bodies.empty()) {
     draft.fail("bodies", "0 tables",
-               fmt::format("must be tables [[bodies]], at least one, for {}", draft.scenario.problem->name));
+               fmt::format("must be tables [[bodies]], at least one, for {}", draft.said.problem->name));
   }
-  for (std::size_t i = 0; i < draft.scenario.bodies.size(); ++i) {
-    const auto& [x, y, z] = draft.scenario.bodies[i].size_m;
-    if (draft.scenario.bodies[i].shape == Shape::sphere && (x != y || x != z)) {
+  for (std::size_t i = 0; i < draft.said.bodies.size(); ++i) {
+    const auto& [x, y, z] = draft.said.bodies[i].size_m;
+    if (draft.said.bodies[i].sphere && (x != y || x != z)) {
       draft.fail(fmt::format("bodies.{}.size", i), fmt::format("[{}, {}, {}]", x, y, z),
                  "must be the diameter, three times, for a sphere");
     }
@@ -72,21 +72,21 @@ void check_bodies(const Draft& draft) {
 }
 
 void check_joint(const Draft& draft) {
-  if (draft.scenario.bodies.size() > 2) {
-    draft.fail("bodies", fmt::format("{} tables", draft.scenario.bodies.size()),
-               fmt::format("must be one table [[bodies]] or two for {}", draft.scenario.problem->name));
+  if (draft.said.bodies.size() > 2) {
+    draft.fail("bodies", fmt::format("{} tables", draft.said.bodies.size()),
+               fmt::format("must be one table [[bodies]] or two for {}", draft.said.problem->name));
   }
-  if (dot(draft.scenario.joint->axis, draft.scenario.joint->axis) == 0) {
+  if (dot(draft.said.joint->axis, draft.said.joint->axis) == 0) {
     draft.fail("joint.axis", "[0, 0, 0]", "must have a direction");
   }
 }
 
-void pull_out_of_joint(Scenario& scenario) {
-  Vec3& axis = scenario.joint->axis;
+void pull_out_of_joint(Description& said) {
+  Vec3& axis = said.joint->axis;
   const double length = std::sqrt(dot(axis, axis));
   for (std::size_t k = 0; k < 3; ++k) {
     axis[k] /= length;
-    scenario.bodies.front().position_m[k] += scenario.joint->displacement_m[k];
+    said.bodies.front().position_m[k] += said.joint->displacement_m[k];
   }
 }
 
@@ -98,9 +98,9 @@ void settle_bodies(Draft& draft) {
 }
 
 void place_bodies(Draft& draft) {
-  if (draft.scenario.joint) check_joint(draft);
-  if (draft.scenario.ground) lay_on_ground(draft.scenario);
-  if (draft.scenario.joint) pull_out_of_joint(draft.scenario);
+  if (draft.said.joint) check_joint(draft);
+  if (draft.said.ground) lay_on_ground(draft.said);
+  if (draft.said.joint) pull_out_of_joint(draft.said);
 }
 
 }  // namespace odeval

@@ -59,13 +59,13 @@ void Draft::fail(const std::string& where, const std::string& value, const std::
 
 void Draft::refuse(const char* key) const {
   if (!tree.contains(key)) return;
-  fail(key, "", fmt::format("has no meaning for {}; remove it", scenario.problem->name), Blame::parts);
+  fail(key, "", fmt::format("has no meaning for {}; remove it", said.problem->name), Blame::parts);
 }
 
 void Draft::refuse(const char* section, const char* key) const {
   const toml::table* const table = tree[section].as_table();
   if (table == nullptr || !table->contains(key)) return;
-  fail(joined(section, key), "", fmt::format("has no meaning for {}; remove it", scenario.problem->name));
+  fail(joined(section, key), "", fmt::format("has no meaning for {}; remove it", said.problem->name));
 }
 
 }  // namespace odeval

@@ -15,6 +15,7 @@ struct Draft {
   const std::vector<Override>& overrides;
   const Names& names;
   Scenario scenario;  // `file` is there from the start
+  Description said = {};
 
   enum class Blame { whole, parts };
 

@@ -88,7 +88,7 @@ void read_table(Draft& draft, const toml::table& table, std::string_view section
   for (const auto& [key, node] : table) {
     const KeyRow* row = find_key(section, key.str());
     if (row != nullptr) {
-      row->put(draft.scenario, value_of(draft, *row, node, joined(path, key.str())));
+      row->put(draft.said, draft.scenario, value_of(draft, *row, node, joined(path, key.str())));
     } else if (!(section.empty() && is_section(key.str()))) {
       fail_unknown(draft, section, path, key.str(), node);
     }
@@ -105,9 +105,9 @@ void read_section(Draft& draft, const SectionRow& section, const toml::node& nod
   if (!section.list) {
     const toml::table* table = node.as_table();
     if (table == nullptr) draft.fail(name, shown(node), fmt::format("must be a table [{}]", name));
-    if (name == "wall") draft.scenario.wall.emplace();
-    if (name == "ground") draft.scenario.ground.emplace();
-    if (name == "joint") draft.scenario.joint.emplace();
+    if (name == "wall") draft.said.wall.emplace();
+    if (name == "ground") draft.said.ground.emplace();
+    if (name == "joint") draft.said.joint.emplace();
     read_table(draft, *table, name, name);
     return;
   }
@@ -118,9 +118,9 @@ void read_section(Draft& draft, const SectionRow& section, const toml::node& nod
     const toml::table* table = (*list)[i].as_table();
     if (table == nullptr) draft.fail(path, shown((*list)[i]), fmt::format("must be a table [[{}]]", name));
     if (name == "links") {
-      draft.scenario.links.emplace_back();
+      draft.said.links.emplace_back();
     } else if (name == "bodies") {
-      draft.scenario.bodies.emplace_back();
+      draft.said.bodies.emplace_back();
     } else {
       draft.scenario.tolerances.emplace_back();
     }

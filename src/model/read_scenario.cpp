@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "model/draft.hpp"
+#include "model/generate.hpp"
 #include "model/one_line.hpp"
 #include "odeval/error.hpp"
 
@@ -27,7 +28,7 @@ void check_name(const Scenario& scenario) {
 
 /// Wall, ground and joint: there if the problem has them, and no others.
 void check_sections(const Draft& draft) {
-  const Problem& problem = *draft.scenario.problem;
+  const Problem& problem = *draft.said.problem;
   for (const auto& [section, needed] :
        {std::pair{"wall", problem.wall}, std::pair{"ground", problem.ground}, std::pair{"joint", problem.joint}}) {
     if (needed && !draft.tree.contains(section)) {
@@ -77,6 +78,16 @@ void check_grid(const Draft& draft) {
   }
 }
 
+void generate(const Description& said, Scenario& scenario) {
+  if (said.problem->planar) {
+    put_planar(scenario, {said.problem->frame, said.links, said.q0, said.qd0, said.wall});
+  } else {
+    put_bodies(scenario, said);
+  }
+  scenario.definition = definition_of(said);
+  scenario.summary = said.problem->summary;
+}
+
 }  // namespace
 
 Scenario read_scenario(const std::filesystem::path& file, const std::vector<Override>& overrides, const Names& names) {
@@ -97,13 +108,13 @@ ScenarioFile::~ScenarioFile() = default;
 Scenario ScenarioFile::read(const std::vector<Override>& overrides, const Names& names) const {
   toml::table tree = tree_->table;
   apply(tree, overrides);
-  Draft draft{tree, overrides, names, {}};
+  Draft draft{tree, overrides, names, {}, {}};
   draft.scenario.name = file_.stem().string();
   draft.scenario.file = file_.string();
   check_name(draft.scenario);
   read_keys(draft);
   choose_softness(draft);
-  const bool pendulum = draft.scenario.family() == Family::pendulum;
+  const bool pendulum = draft.said.problem->planar;
   if (pendulum) {
     settle_links(draft);
   } else {
@@ -115,6 +126,7 @@ Scenario ScenarioFile::read(const std::vector<Override>& overrides, const Names&
   } else {
     place_bodies(draft);
   }
+  generate(draft.said, draft.scenario);
   check_tolerances(draft);
   check_grid(draft);
   return draft.scenario;

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "odeval/scenario.hpp"
+#include "model/description.hpp"
 
 namespace odeval {
 
@@ -36,7 +36,7 @@ struct KeyRow {
   std::vector<std::string> (*allowed)(const Names&);  // of words; null for numbers
   std::string_view fallback;                          // what holds without the key; empty: the key must be there
   std::string_view meaning;
-  void (*put)(Scenario&, const KeyValue&);  // for a list of tables: into its last element
+  void (*put)(Description&, Scenario&, const KeyValue&);  // for a list of tables: into its last element
   std::size_t count = 0;                    // of a list's numbers; 0: the problem's own
 
   bool required() const { return fallback.empty(); }

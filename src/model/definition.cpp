@@ -1,0 +1,76 @@
+#include <fmt/format.h>
+
+#include "model/generate.hpp"
+
+namespace odeval {
+namespace {
+
+/// Adds settings under a name: "links.0" and "mass" make "links.0.mass".
+class Section {
+ public:
+  Section(Definition& definition, std::string name) : definition_(definition), name_(std::move(name)) {}
+
+  Section& add(const char* key, SettingValue value) {
+    definition_.emplace_back(fmt::format("{}.{}", name_, key), std::move(value));
+    return *this;
+  }
+  Section& add(const char* key, const Vec3& vector) {
+    return add(key, std::vector<double>(vector.begin(), vector.end()));
+  }
+
+ private:
+  Definition& definition_;
+  std::string name_;
+};
+
+void add_link(Section section, const Link& link) {
+  section.add("mass", link.mass_kg)
+      .add("length", link.length_m)
+      .add("width", link.width_m)
+      .add("depth", link.depth_m);
+  if (link.shape == LinkShape::sphere) section.add("shape", "sphere");
+}
+
+void add_body(Section section, const BodyTable& body) {
+  section.add("shape", body.sphere ? "sphere" : "box")
+      .add("mass", body.mass_kg)
+      .add("size", body.size_m)
+      .add("position", body.position_m)
+      .add("turn", body.turn_rad)
+      .add("velocity", body.velocity_m_s)
+      .add("spin", body.spin_rad_s)
+      .add("aspect", body.aspect);
+}
+
+void add_ground(Section section, const GroundTable& ground, bool friction) {
+  section.add("slope", ground.slope_rad).add("restitution", ground.restitution);
+  if (!friction) return;
+  section.add("friction", ground.friction)
+      .add("friction_model", ground.friction_model == FrictionModel::constant ? "constant" : "pyramid");
+}
+
+void add_joint(Section section, const JointTable& joint) {
+  section.add("kind", joint.hinge ? "hinge" : "ball")
+      .add("anchor", joint.anchor_m)
+      .add("displacement", joint.displacement_m);
+  if (joint.hinge) section.add("axis", joint.axis);
+}
+
+}  // namespace
+
+Definition definition_of(const Description& said) {
+  Definition all;
+  if (said.n) all.emplace_back("n", std::int64_t{*said.n});
+  std::size_t number = 0;
+  for (const Link& link : said.links) add_link({all, fmt::format("links.{}", number++)}, link);
+  number = 0;
+  for (const BodyTable& body : said.bodies) add_body({all, fmt::format("bodies.{}", number++)}, body);
+  if (said.ground) add_ground({all, "ground"}, *said.ground, said.problem->friction);
+  if (said.joint) add_joint({all, "joint"}, *said.joint);
+  if (said.wall) {
+    Section(all, "wall").add("face", said.wall->face_m).add("restitution", said.wall->restitution);
+  }
+  return all;
+}
+
+}  // namespace odeval

@@ -1,0 +1,70 @@
+#include <algorithm>
+#include <array>
+
+#include "odeval/engine.hpp"
+
+namespace odeval {
+namespace {
+
+constexpr std::array<std::string_view, 11> names{
+    "bodies in space",
+    "more than one link",
+    "more than two links",
+    "contacts of a link",
+    "contacts of more than one link",
+    "contacts of bodies in space",
+    "friction",
+    "joints of bodies in space",
+    "motors",
+    "stops",
+    "inertia tensors of their own",
+};
+
+void add_of_links(Features& asked, std::size_t links, bool touching) {
+  if (links > 1) asked.add(Feature::several_links);
+  if (links > 2) asked.add(Feature::many_links);
+  if (touching) asked.add(Feature::wall);
+  if (touching && links > 1) asked.add(Feature::wall_of_several);
+}
+
+void add_of_space(Features& asked, const Mechanism& mechanism) {
+  asked.add(Feature::space);
+  if (!mechanism.contacts.empty()) asked.add(Feature::ground);
+  if (!mechanism.joints.empty()) asked.add(Feature::joints_in_space);
+}
+
+}  // namespace
+
+std::span<const std::string_view> feature_names() { return names; }
+
+Features features_of(const Scenario& scenario) {
+  const Mechanism& mechanism = scenario.mechanism;
+  Features asked;
+  if (scenario.planar) {
+    add_of_links(asked, scenario.planar->links.size(), !mechanism.contacts.empty());
+  } else {
+    add_of_space(asked, mechanism);
+  }
+  for (const Contact& contact : mechanism.contacts) {
+    if (contact.friction) asked.add(Feature::friction);
+  }
+  for (const Joint& joint : mechanism.joints) {
+    if (joint.motor) asked.add(Feature::motors);
+    if (joint.stop) asked.add(Feature::stops);
+  }
+  for (const Body& body : mechanism.bodies) {
+    if (body.inertia_kgm2) asked.add(Feature::inertia);
+  }
+  return asked;
+}
+
+std::string lacking(Features lacking) {
+  std::string words;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (!lacking.has(static_cast<Feature>(i))) continue;
+    words += (words.empty() ? "no " : ", no ") + std::string(names[i]);
+  }
+  return words;
+}
+
+}  // namespace odeval

@@ -1,0 +1,44 @@
+#pragma once
+// Generators: from few numbers to a mechanism with its views.
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "model/description.hpp"
+#include "odeval/scenario.hpp"
+
+namespace odeval {
+
+/// Puts a planar chain into the scenario: the view, its mechanism (one body a link, one hinge a link, the wall as a box
+/// where there is one) and how impacts on the wall are told.
+///
+/// Built the way the report's listings C.2 and C.5 build it: the first link is the first body of its hinge, to the world;
+/// every other link is the second, after its parent.
+void put_planar(Scenario& scenario, PlanarView view);
+
+/// The same with a view that is changed first: change_planar(scenario, [](PlanarView& view) { view.q0[0] = 1; }).
+template <class Change>
+void change_planar(Scenario& scenario, Change&& change) {
+  PlanarView view = *scenario.planar;
+  std::forward<Change>(change)(view);
+  put_planar(scenario, std::move(view));
+}
+
+/// A view without a mechanism, for whoever needs joint coordinates alone.
+inline std::shared_ptr<const PlanarView> make_planar(const PlanarFrame& frame, std::vector<Link> links,
+                                                     std::vector<double> q0, std::vector<double> qd0,
+                                                     std::optional<Wall> wall = {}) {
+  return std::make_shared<const PlanarView>(
+      PlanarView{frame, std::move(links), std::move(q0), std::move(qd0), std::move(wall)});
+}
+
+/// Puts the bodies of a description into the scenario, with its ground or its joint.
+void put_bodies(Scenario& scenario, const Description& description);
+
+/// A plane through the origin that falls towards +x by so much.
+HalfSpace sloping(double slope_rad);
+
+/// What the file said of the mechanism, completed.
+Definition definition_of(const Description& description);
+
+}  // namespace odeval

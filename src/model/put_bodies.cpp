@@ -1,0 +1,54 @@
+#include <cmath>
+#include <string>
+
+#include "model/generate.hpp"
+
+namespace odeval {
+namespace {
+
+Body body_of(const BodyTable& table, std::size_t number) {
+  const Shape shape = table.sphere ? Shape(Sphere{table.size_m[0]}) : Shape(Box{table.size_m});
+  return {.shape = shape,
+          .mass_kg = table.mass_kg,
+          .position_m = table.position_m,
+          .attitude = table.turn_rad,
+          .velocity_m_s = table.velocity_m_s,
+          .spin_rad_s = table.spin_rad_s,
+          .name = "body" + std::to_string(number)};
+}
+
+Joint joint_of(const JointTable& table, bool pair) {
+  const JointKind kind =
+      table.hinge ? JointKind(HingeJoint{table.anchor_m, table.axis}) : JointKind(BallJoint{table.anchor_m});
+  return {.kind = kind,
+          .first = 0,
+          .second = pair ? std::optional<std::size_t>(1) : std::nullopt,
+          .opening_m = table.displacement_m};
+}
+
+void put_ground(Scenario& scenario, const GroundTable& table, bool friction) {
+  const HalfSpace plane = sloping(table.slope_rad);
+  scenario.mechanism.obstacles.push_back({plane, "ground"});
+  Contact contact{.restitution = table.restitution, .friction = {}};
+  if (friction) contact.friction = Friction{table.friction, table.friction_model};
+  scenario.mechanism.contacts.push_back(contact);
+  scenario.impact_views.push_back({.normal = plane.normal, .touches_at = {}});
+}
+
+}  // namespace
+
+HalfSpace sloping(double slope_rad) { return {{std::sin(slope_rad), 0, std::cos(slope_rad)}, 0}; }
+
+void put_bodies(Scenario& scenario, const Description& description) {
+  scenario.mechanism = {};
+  scenario.impact_views.clear();
+  scenario.planar.reset();
+  std::size_t number = 0;
+  for (const BodyTable& table : description.bodies) scenario.mechanism.bodies.push_back(body_of(table, ++number));
+  if (description.joint) {
+    scenario.mechanism.joints.push_back(joint_of(*description.joint, description.bodies.size() > 1));
+  }
+  if (description.ground) put_ground(scenario, *description.ground, description.problem->friction);
+}
+
+}  // namespace odeval
