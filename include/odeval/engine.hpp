@@ -85,8 +85,14 @@ struct EngineSetting {
   std::string_view acts_on;          // that, in words: "joints or contacts"
 };
 
-/// The matrix that a formulation inverts, whose condition number the trace shows (measure/conditioning.hpp).
-enum class SystemMatrix { none, mass_matrix, hinge_rows, hinge_rows_cfm, planar_joints };
+/// The matrix that a formulation inverts or factors.
+enum class SystemMatrix {
+  none,            // nobody said which
+  mass_matrix,     // M(q), n x n, in the report's relative coordinates (D.2)
+  hinge_rows,      // J M^-1 J^T of all five rows a hinge, 5n x 5n
+  hinge_rows_cfm,  // the same + CFM / h on the diagonal: ODE
+  planar_joints,   // J M^-1 J^T of joints in the plane, 2n x 2n, no CFM
+};
 
 /// One way of moving a scenario: a row of a table, and nothing else says what it is.
 struct Engine {

@@ -134,10 +134,10 @@ struct Friction {
 /// How two things touch: the first contact of the mechanism that names them both is theirs. What no contact names passes
 /// through, and so do bodies that a joint connects.
 struct Contact {
-  std::string first;                 // name of a body or an obstacle; empty: any
-  std::string second;                // likewise
-  double restitution = 0;            // speed after an impact over speed before
-  std::optional<Friction> friction;  // absent: nothing rubs, and no setting of friction has a meaning
+  double restitution = 0;                 // speed after an impact over speed before
+  std::optional<Friction> friction = {};  // absent: nothing rubs, and no setting of friction has a meaning
+  std::string first = {};                 // name of a body or an obstacle; empty: any
+  std::string second = {};                // likewise
 
   /// Whether the contact is of these two, in either order.
   bool is_between(std::string_view a, std::string_view b) const;

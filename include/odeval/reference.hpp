@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "odeval/method.hpp"
+#include "odeval/motion.hpp"
+#include "odeval/scenario.hpp"
 #include "odeval/trace.hpp"
 
 namespace odeval {

@@ -87,7 +87,7 @@ struct ImpactView {
   Vec3 normal{};                     // unit, away from what is struck
   bool as_angle = false;             // the coordinate is q1 of the planar view, not the height along the normal
   bool as_rate = false;              // rates are those of the body's angle, not of its way along the normal
-  std::optional<double> touches_at;  // m along the normal, where the body's centre stands as it begins to touch, which
+  std::optional<double> touches_at = {};  // m along the normal, where the body's centre stands as it begins to touch, which
                                      // gives the depth; absent: the depth is that of the deepest contact
   std::optional<int> link = {};      // told with the impact
 };

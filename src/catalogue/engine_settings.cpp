@@ -1,15 +1,19 @@
 #include "catalogue/engine_settings.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace odeval::catalogue {
 namespace {
 
 bool anywhere(const Scenario&) { return true; }
-bool touching(const Scenario& scenario) { return scenario.wall || scenario.ground; }
-bool constrained(const Scenario& scenario) { return !scenario.links.empty() || scenario.joint || touching(scenario); }
-bool sprung(const Scenario& scenario) { return scenario.joint.has_value(); }
-bool rubbing(const Scenario& scenario) { return scenario.ground && scenario.ground->friction > 0; }
+bool touching(const Scenario& scenario) { return !scenario.mechanism.contacts.empty(); }
+bool constrained(const Scenario& scenario) { return !scenario.mechanism.joints.empty() || touching(scenario); }
+bool sprung(const Scenario& scenario) { return !scenario.planar && !scenario.mechanism.joints.empty(); }
+bool rubbing(const Scenario& scenario) {
+  return std::ranges::any_of(scenario.mechanism.contacts,
+                             [](const Contact& contact) { return contact.friction && contact.friction->limit > 0; });
+}
 
 constexpr EngineSetting on_constraints(std::string_view key) { return {key, constrained, "joints or contacts"}; }
 constexpr EngineSetting on_contacts(std::string_view key) { return {key, touching, "contacts"}; }
@@ -31,7 +35,6 @@ constexpr std::array of_tolerances{EngineSetting{"rtol", anywhere, ""}, EngineSe
 
 }  // namespace
 
-std::span<const EngineSetting> no_settings() { return {}; }
 std::span<const EngineSetting> step_settings() { return quickstep_settings().subspan(only_quickstep); }
 std::span<const EngineSetting> quickstep_settings() { return of_quickstep; }
 std::span<const EngineSetting> accurate_step_settings() { return of_accurate_step; }

@@ -3,18 +3,10 @@
 #include <span>
 #include <string_view>
 
-#include "odeval/scenario.hpp"
+#include "odeval/engine.hpp"
 
 namespace odeval::catalogue {
 
-/// A key that an engine reads, and where it makes a difference.
-struct EngineSetting {
-  std::string_view key;              // "ode.erp"
-  bool (*matters)(const Scenario&);  // whether the engine finds in the scenario what the setting acts on
-  std::string_view acts_on;          // that, in words: "joints or contacts"
-};
-
-std::span<const EngineSetting> no_settings();
 /// What `dWorldStep` and its rebuilt twin read.
 std::span<const EngineSetting> step_settings();
 /// What `dWorldQuickStep` reads: the same, and how it iterates.

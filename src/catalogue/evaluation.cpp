@@ -6,23 +6,18 @@
 #include "measure/cartesian_trace.hpp"
 #include "measure/conditioning.hpp"
 #include "measure/metrics.hpp"
+#include "model/generate.hpp"
 #include "reference/bodies/solution.hpp"
 #include "reference/generalized_trace.hpp"
+#include "reference/providers.hpp"
 #include "reference/reference_solution.hpp"
 
 namespace odeval::catalogue {
 namespace {
 
-std::size_t row_width(const Method& method, const Scenario& scenario) {
-  if (scenario.family() == Family::bodies) return scenario.bodies.size() * body_numbers + 1;
-  const std::size_t links = scenario.links.size();
-  return method.coordinates == Coordinates::generalized ? 2 * links : links * body_numbers + 1;
-}
-
-Trace read(const Method& method, const Scenario& scenario, const SampleGrid& grid, const Rows& rows) {
-  if (scenario.family() == Family::bodies) return body_trace(scenario, grid, rows);
-  return method.coordinates == Coordinates::generalized ? reference::generalized_trace(scenario, grid, rows)
-                                                        : cartesian_trace(scenario, grid, rows);
+Trace read(const Scenario& scenario, const SampleGrid& grid, const Motion& motion) {
+  if (motion.shape().coordinates > 0) return reference::generalized_trace(scenario, grid, motion);
+  return scenario.planar ? cartesian_trace(scenario, grid, motion) : body_trace(scenario, grid, motion);
 }
 
 // ODE's stored velocities belong to the middle of the step before (claim O1). The half-step start gives it those of
@@ -35,11 +30,14 @@ std::unique_ptr<Simulation> make_as_asked(const Method& method, const Scenario& 
   if (!has_half_step_start(method) || scenario.ode.start != Start::half_step) {
     return method.make(scenario, grid);
   }
-  if (scenario.family() == Family::bodies) return method.make(reference::half_a_step_earlier(scenario), grid);
+  if (!scenario.planar) return method.make(reference::half_a_step_earlier(scenario), grid);
   Scenario earlier = scenario;
-  const std::vector<double> at_rest(scenario.qd0.size(), 0.0);
-  const std::vector<double> acceleration = reference::joint_accelerations(scenario, scenario.q0, at_rest);
-  for (std::size_t i = 0; i < earlier.qd0.size(); ++i) earlier.qd0[i] -= acceleration[i] * scenario.step_s / 2;
+  const PlanarView& view = *scenario.planar;
+  const std::vector<double> at_rest(view.qd0.size(), 0.0);
+  const std::vector<double> acceleration = reference::joint_accelerations(scenario, view.q0, at_rest);
+  change_planar(earlier, [&](PlanarView& half_a_step) {
+    for (std::size_t i = 0; i < acceleration.size(); ++i) half_a_step.qd0[i] -= acceleration[i] * scenario.step_s / 2;
+  });
   return method.make(earlier, grid);
 }
 
@@ -62,9 +60,8 @@ Evaluator::Evaluator(Scenario scenario, std::shared_ptr<const Reference> referen
 
 const Reference& Evaluator::reference() {
   if (!reference_) {
-    reference_ = std::make_shared<const Reference>(scenario_.family() == Family::bodies
-                                                       ? reference::solve_body_reference(scenario_, grid_)
-                                                       : reference::solve_reference(scenario_, grid_));
+    reference_ =
+        std::make_shared<const Reference>(reference::provider_for(scenario_).solve(scenario_, grid_));
   }
   return *reference_;
 }
@@ -79,13 +76,13 @@ Evaluation Evaluator::evaluate(const Method& method, const OdeSettings& ode) {
   Scenario changed = scenario_;
   changed.ode = ode;
   const std::unique_ptr<Simulation> simulation = make_as_asked(method, changed, grid_);
-  Rows rows(row_width(method, scenario_), static_cast<std::size_t>(grid_.rows));
+  Motion motion(simulation->shape(), static_cast<std::size_t>(grid_.rows));
   const double start = cpu_seconds();
-  Outcome outcome = simulation->run(&rows);
+  Outcome outcome = simulation->run(Recorder(motion));
   const double cpu_s = cpu_seconds() - start;
-  Trace trace = read(method, scenario_, grid_, rows);
+  Trace trace = read(scenario_, grid_, motion);
   compare(trace, reference());
-  if (scenario_.family() == Family::pendulum) add_conditioning(trace, scenario_, method.inverts);
+  if (scenario_.planar) add_conditioning(trace, scenario_, method.inverts);
   return {&method, std::move(outcome), std::move(trace), cpu_s};
 }
 

@@ -21,7 +21,7 @@ constexpr std::array spring_keys{"step", "ode.erp", "ode.cfm", "ode.kp", "ode.kd
 
 bool moves_the_reference(const std::string& key, const Scenario& scenario) {
   const auto is_key = [&](std::string_view other) { return other == key; };
-  if (scenario.joint && std::ranges::any_of(spring_keys, is_key)) return true;
+  if (!scenario.planar && !scenario.mechanism.joints.empty() && std::ranges::any_of(spring_keys, is_key)) return true;
   return !is_engine_setting(key) && std::ranges::none_of(time_keys, is_key);
 }
 
@@ -71,7 +71,7 @@ std::vector<std::uint32_t> GridRuns::groups(const std::function<void(long run)>&
     if (checked) checked(run);
     const Scenario point = scenario(run);
     for (const std::string& name : grid_.axes().back().values) {
-      require_claim(find_method(name), *point.problem, "--method");
+      require_does(find_method(name), point, "--method");
     }
     const SampleGrid times = sample_grid(point);
     std::vector<std::size_t> key = places;

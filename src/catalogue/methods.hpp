@@ -6,24 +6,12 @@
 #include <vector>
 
 #include "catalogue/engine_settings.hpp"
-#include "measure/conditioning.hpp"
-#include "odeval/method.hpp"
+#include "odeval/engine.hpp"
 
 namespace odeval::catalogue {
 
-struct Method {
-  std::string_view name;
-  std::string_view formulation;
-  std::string_view advanced_by;
-  Coordinates coordinates;
-  int order;    // of convergence in the step; 0: no fixed step
-  double rtol;  // its own tolerances, which --rtol and --atol replace; 0: it has none
-  double atol;
-  bool (*claims)(const Problem&);  // which problems it does
-  MakeSimulation make;             // null: left out of this build
-  std::span<const EngineSetting> (*settings)() = no_settings;
-  SystemMatrix inverts = SystemMatrix::none;  // whose condition number the trace shows
-};
+/// The command line's word for a way of moving a scenario.
+using Method = Engine;
 
 /// Whether a key of the scenario file is a setting of the method.
 bool has_setting(const Method& method, std::string_view key);
@@ -42,24 +30,22 @@ bool is_engine_setting(std::string_view key);
 /// "ode-step-double, ode-step-single where there are joints or contacts".
 std::string readers_of(std::string_view key);
 
-/// The name of the method that every error of a pendulum is measured against.
+/// The name of the method that every error of a motion in joint coordinates is measured against.
 inline constexpr std::string_view reference_method = "lagrange-cvode";
-
-/// The same for any problem: bodies are measured against their closed form.
-inline constexpr std::string_view reference_method_of(const Problem& problem) {
-  return problem.family == Family::bodies ? "analytic" : reference_method;
-}
 
 std::span<const Method> methods();
 
 /// Throws UserError with the nearest name, or why the build lacks the method.
 const Method& find_method(std::string_view name);
 
-/// Throws UserError when the method does not do the problem. `origin` is where the method was named.
-void require_claim(const Method& method, const Problem& problem, const std::string& origin);
+/// Whether the method can do all that the scenario asks.
+bool does(const Method& method, const Scenario& scenario);
 
-/// Why a method has no `make`.
-inline constexpr std::string_view why_missing =
+/// Throws UserError with what the method lacks, and which methods have it. `origin` is where the method was named.
+void require_does(const Method& method, const Scenario& scenario, const std::string& origin);
+
+/// Why methods of single precision have no `make`.
+inline constexpr std::string_view without_single_precision =
     "this build has no single-precision ODE; scripts/build-ode-single makes one, then configure again";
 
 std::vector<std::string> method_names();

@@ -31,9 +31,9 @@ template <class Way, class Value>
 requires bytes::is<Value, Reference>
 void pass(Way& way, Value& reference) {
   auto& [trace, uncertainty_q, uncertainty_position, uncertainty_turn, uncertainty_spin, joint_force, impacts,
-         impact_uncertainty_s, at_rest_from, described] = reference;
+         impact_uncertainty_s, at_rest_from, origin] = reference;
   each(way, trace, uncertainty_q, uncertainty_position, uncertainty_turn, uncertainty_spin, joint_force, impacts,
-       impact_uncertainty_s, at_rest_from, described);
+       impact_uncertainty_s, at_rest_from, origin);
 }
 
 namespace catalogue {

@@ -1,6 +1,7 @@
 #include "catalogue/summaries.hpp"
 
 #include "catalogue/versions.hpp"
+#include "reference/providers.hpp"
 
 namespace odeval::catalogue {
 
@@ -14,7 +15,7 @@ RunSummary summarise(const Evaluation& run, Evaluator& evaluator) {
   summary.scenario = scenario;
   summary.grid = evaluator.grid();
   summary.method = method.name;
-  summary.is_reference = method.name == reference_method_of(*scenario.problem) && !scenario.rtol && !scenario.atol;
+  summary.is_reference = method.name == reference::provider_for(scenario).method && !scenario.rtol && !scenario.atol;
   summary.uses_ode = has_half_step_start(method);
   summary.uses_bounce = !summary.uses_ode && reads(method, "ode.bounce", scenario);
   summary.uses_maximal = reads(method, "maximal.ks", scenario);
@@ -25,7 +26,7 @@ RunSummary summarise(const Evaluation& run, Evaluator& evaluator) {
   for (const double until : error_times_within(summary.grid)) {
     summary.error_at.push_back(evaluator.measure(run, until));
   }
-  summary.reference = evaluator.reference().described;
+  summary.reference = evaluator.reference().origin;
   summary.versions = versions();
   return summary;
 }

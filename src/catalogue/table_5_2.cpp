@@ -9,15 +9,17 @@ namespace odeval::catalogue {
 
 bool is_of_table_5_2(const Scenario& scenario) {
   const auto same = [](double a, double b) { return std::fabs(a - b) < 1e-9; };
-  const bool swings_free = scenario.links.size() == 2 && !scenario.wall;
+  if (!scenario.planar) return false;
+  const PlanarView& view = *scenario.planar;
+  const bool swings_free = view.links.size() == 2 && !view.wall;
   if (!swings_free || !same(scenario.duration_s, 10) || !same(scenario.gravity, 9.81)) return false;
-  for (const Link& link : scenario.links) {
+  for (const Link& link : view.links) {
     if (!same(link.mass_kg, 1) || !same(link.length_m, 1) || !same(link.width_m, 0.1)) return false;
-    if (link.shape != Shape::box) return false;
+    if (link.shape != LinkShape::box) return false;
   }
   constexpr double quarter = std::numbers::pi / 4;
-  return same(scenario.q0[0], quarter) && same(scenario.q0[1], -quarter) && same(scenario.qd0[0], 0) &&
-         same(scenario.qd0[1], 0);
+  return same(view.q0[0], quarter) && same(view.q0[1], -quarter) && same(view.qd0[0], 0) &&
+         same(view.qd0[1], 0);
 }
 
 std::vector<Table52Row> table_5_2_rows(std::span<const TimingRow> rows) {

@@ -106,7 +106,7 @@ int bench_at_equal_steps(const BenchOptions& options) {
 std::vector<EqualErrorRow> at_equal_error(const Plan& plan, const BenchOptions& options, double until_s,
                                           Progress& progress) {
   const Scenario& scenario = plan.evaluator.scenario();
-  if (scenario.family() != Family::pendulum) {
+  if (!scenario.planar) {
     throw UserError("--equal-error: is of angles, and '" + scenario.name + "' has none");
   }
   const catalogue::Accuracy accuracy(scenario, until_s);

@@ -47,7 +47,7 @@ std::vector<CheckRow> check_scenario(Scenario scenario) {
     const auto all = catalogue::methods();
     const auto& method = *std::ranges::find(all, tolerance.method, &catalogue::Method::name);
     if (method.make != nullptr) {
-      catalogue::require_claim(method, *scenario.problem, scenario.file + ": tolerances");
+      catalogue::require_does(method, scenario, scenario.file + ": tolerances");
       const auto found = runs.find(tolerance.method);
       const auto& run = found != runs.end() ? found->second
                                             : runs.emplace(tolerance.method, evaluator.evaluate(method)).first->second;

@@ -46,7 +46,7 @@ std::vector<Listing> listings() {
   Listing scenarios{"scenarios", {}};
   for (const std::string& name : scenario_names(catalogue::scenario_folder())) {
     const Scenario scenario = read_scenario(find_scenario(name, catalogue::scenario_folder()), {}, known_names());
-    scenarios.rows.push_back({name, std::string(scenario.problem->summary)});
+    scenarios.rows.push_back({name, scenario.summary});
   }
   Listing methods{"methods", {}};
   for (const auto& method : catalogue::methods()) {

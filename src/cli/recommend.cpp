@@ -288,9 +288,9 @@ std::string table_csv(const std::vector<Candidate>& candidates, const Options& o
 int recommend(const Options& options) {
   refuse_searched(options.settings.overrides(), catalogue::searched_keys, "'odeval recommend'");
   const Scenario scenario = options.settings.read(options.scenario);
-  if (scenario.family() != Family::pendulum) {
-    throw UserError(options.scenario + ": errors are looked for in angles, and problem '" +
-                    std::string(scenario.problem->name) + "' has none; 'odeval sweep' takes any error");
+  if (!scenario.planar) {
+    throw UserError(options.scenario + ": errors are looked for in angles, and scenario '" + scenario.name +
+                    "' has none; 'odeval sweep' takes any error");
   }
   const auto methods = chosen_methods(options.methods, scenario);
   require_read(options.settings.overrides(), {{{scenario, methods}}});

@@ -136,23 +136,25 @@ std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::stri
   for (const std::string& word : asked) {
     const std::string name(trimmed(word));
     const catalogue::Method& method = catalogue::find_method(name);
-    catalogue::require_claim(method, *scenario.problem, "--method");
+    catalogue::require_does(method, scenario, "--method");
     if (std::ranges::find(chosen, &method) == chosen.end()) chosen.push_back(&method);
   }
   if (!asked.empty()) return chosen;
 
   std::string missing;
+  std::string_view why;
   for (const catalogue::Method& method : catalogue::methods()) {
     if (std::ranges::find(scenario.methods, method.name) == scenario.methods.end()) continue;
-    catalogue::require_claim(method, *scenario.problem, scenario.file + ": methods");
+    catalogue::require_does(method, scenario, scenario.file + ": methods");
     if (method.make != nullptr) {
       chosen.push_back(&method);
     } else {
       missing += (missing.empty() ? "" : ", ") + std::string(method.name);
+      why = method.why_missing;
     }
   }
   if (!missing.empty())
-    std::cerr << "odeval: " << scenario.name << ": left out: " << missing << "; " << catalogue::why_missing << '\n';
+    std::cerr << "odeval: " << scenario.name << ": left out: " << missing << "; " << why << '\n';
   if (chosen.empty()) throw UserError(scenario.file + ": methods: names none to run; give --method M[,M...]");
   return chosen;
 }

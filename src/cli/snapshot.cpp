@@ -201,7 +201,7 @@ class Album {
 
   render::PngTexts texts(const std::string& t) const {
     render::PngTexts all{{"scenario", scenario_.name}, {"method", method_}, {"t", t}};
-    if (options_.overlay) all.emplace_back("overlay", reference_.described);
+    if (options_.overlay) all.emplace_back("overlay", reference_.origin);
     all.emplace_back("Software", "odeval " + catalogue::versions().front().second);
     return all;
   }
@@ -228,7 +228,7 @@ class Album {
 std::vector<render::Pose> shown_poses(catalogue::Evaluator& evaluator, const std::vector<std::size_t>& rows,
                                       bool film) {
   std::vector<render::Pose> poses;
-  if (evaluator.scenario().family() != Family::bodies) return poses;
+  if (evaluator.scenario().planar) return poses;
   const Trace& truth = evaluator.reference().trace;
   for (const std::size_t row : rows) poses.push_back(render::pose_at(evaluator.scenario(), truth, row));
   if (!film) return poses;

@@ -86,7 +86,7 @@ std::string_view reference_of(const Head& head) {
     settings.push_back({head.axes[i].key, head.axes[i].values.front(), "--grid"});
   }
   const Scenario scenario = ScenarioFile(head.scenario + ".toml", head.settings).read(settings, known_names());
-  return catalogue::reference_method_of(*scenario.problem);
+  return reference::provider_for(scenario).method;
 }
 
 /// The table and the timings, row by row, and on the way what the front is made of: the reference has no part in it.

@@ -1,26 +1,17 @@
 #include "engine_ode/make.hpp"
 
-#include "engine_ode/body_simulation.hpp"
 #include "engine_ode/library.hpp"
-#include "engine_ode/pendulum_simulation.hpp"
+#include "engine_ode/stepped_simulation.hpp"
 #include "odeval/error.hpp"
 
 namespace odeval::engine_ode {
 namespace {
 
-template <class Make>
-std::unique_ptr<Simulation> guarded(const Scenario& scenario, Make make) try {
-  return make();
+template <class Step>
+std::unique_ptr<Simulation> make(const Scenario& scenario, const SampleGrid& grid, Step step) try {
+  return std::make_unique<SteppedSimulation>(scenario, grid, step);
 } catch (const Fault& fault) {
   throw MachineError("scenario '" + scenario.name + "' can not be built: " + fault.what());
-}
-
-template <class Step>
-std::unique_ptr<Simulation> make(const Scenario& scenario, const SampleGrid& grid, Step step) {
-  return guarded(scenario, [&]() -> std::unique_ptr<Simulation> {
-    if (scenario.family() == Family::bodies) return std::make_unique<BodySimulation>(scenario, grid, step);
-    return std::make_unique<PendulumSimulation>(scenario, grid, step);
-  });
 }
 
 }  // namespace
@@ -31,12 +22,6 @@ std::unique_ptr<Simulation> make_step(const Scenario& scenario, const SampleGrid
 
 std::unique_ptr<Simulation> make_quickstep(const Scenario& scenario, const SampleGrid& grid) {
   return make<StepFunction>(scenario, grid, &dWorldQuickStep);
-}
-
-std::unique_ptr<Simulation> make_doubled(const Scenario& scenario, const SampleGrid& grid) {
-  return guarded(scenario, [&] {
-    return std::make_unique<PendulumSimulation>(scenario, grid, &dWorldStep, &build_doubled_pendulum);
-  });
 }
 
 std::unique_ptr<Simulation> make_stepped(const Scenario& scenario, const SampleGrid& grid, MakeStepper make_stepper) {

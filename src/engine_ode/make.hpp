@@ -1,16 +1,13 @@
 #pragma once
 // Any scenario as a simulation in ODE.
 #include "engine_ode/world_stepper.hpp"
-#include "odeval/method.hpp"
+#include "odeval/engine.hpp"
 
 namespace odeval::engine_ode {
 
-/// Rows of bodies. Throws MachineError when ODE refuses the scenario.
+/// Samples of bodies and joints. Throws MachineError when ODE refuses the scenario.
 std::unique_ptr<Simulation> make_step(const Scenario& scenario, const SampleGrid& grid);
 std::unique_ptr<Simulation> make_quickstep(const Scenario& scenario, const SampleGrid& grid);
-
-/// dWorldStep on a pendulum with every hinge made twice.
-std::unique_ptr<Simulation> make_doubled(const Scenario& scenario, const SampleGrid& grid);
 
 /// The same world, moved by another stepper. Its impacts are those that it locates.
 std::unique_ptr<Simulation> make_stepped(const Scenario& scenario, const SampleGrid& grid, MakeStepper make_stepper);

@@ -42,7 +42,7 @@ extern "C" __attribute__((visibility("default"))) const Module& ODEVAL_ENTRY() {
     }
 #endif
     return Module{ODEVAL_PRECISION, dODE_VERSION,    ODEVAL_ODE_PACKAGE, dGetConfiguration(),
-                  &make_step,       &make_quickstep, &make_doubled,      &make_stepped};
+                  &make_step,       &make_quickstep, &make_stepped};
   }();
   return module;
 }

@@ -4,7 +4,7 @@
 #include <cstddef>
 
 #include "engine_ode/world_stepper.hpp"
-#include "odeval/method.hpp"
+#include "odeval/engine.hpp"
 
 namespace odeval::engine_ode {
 
@@ -15,7 +15,6 @@ struct Module {
   const char* configuration;      // ODE's configuration tokens
   MakeSimulation make_step;       // dWorldStep
   MakeSimulation make_quickstep;  // dWorldQuickStep
-  MakeSimulation make_doubled;    // dWorldStep, every hinge made twice
   /// The same world, moved by another stepper.
   std::unique_ptr<Simulation> (*make_stepped)(const Scenario&, const SampleGrid&, MakeStepper);
 };

@@ -33,6 +33,20 @@ void lay_along_sliding(dContact& contact, dBodyID body1, dBodyID body2) {
   for (std::size_t k = 0; k < 3; ++k) contact.fdir1[k] = real(slip[k] / speed);
 }
 
+// Without friction mu is 0, and there is nothing to share, approximate or lay.
+Surface surface_of(const Contact& contact, const OdeSettings& ode) {
+  Surface surface;
+  surface.parameters.mode = dContactBounce;
+  surface.parameters.bounce = real(ode.bounce.value_or(contact.restitution));
+  surface.parameters.bounce_vel = real(ode.bounce_vel);
+  if (!contact.friction) return surface;
+  surface.parameters.mu = real(contact.friction->limit);
+  surface.shared = contact.friction->model == FrictionModel::constant;
+  if (!surface.shared) surface.parameters.mode |= dContactApprox1;
+  surface.along_sliding = ode.friction_axes == FrictionAxes::sliding;
+  return surface;
+}
+
 }  // namespace
 
 Scene::Scene(const Scenario& scenario) : Scene() {
@@ -41,6 +55,8 @@ Scene::Scene(const Scenario& scenario) : Scene() {
   space_ = dHashSpaceCreate(nullptr);
   contact_group_ = dJointGroupCreate(0);
   set_world(scenario);
+  add_mechanism(scenario);
+  set_surfaces(scenario);
 }
 
 Scene::~Scene() {
@@ -81,33 +97,54 @@ void Scene::set_world(const Scenario& scenario) {
   dWorldSetQuickStepW(world_, real(ode.sor_w));
   dWorldSetContactMaxCorrectingVel(world_, real_or_infinity(ode.max_correcting_vel));
   dWorldSetContactSurfaceLayer(world_, real(ode.surface_layer));
-  gyroscopic_ = ode.gyroscopic;  // of bodies, not of the world
   dWorldSetAutoDisableFlag(world_, 0);
   dWorldSetLinearDamping(world_, 0);
   dWorldSetAngularDamping(world_, 0);
   dWorldSetMaxAngularSpeed(world_, dInfinity);
 }
 
-dBodyID Scene::add_body(const dMass& mass, dGeomID geom) {
-  const dBodyID body = dBodyCreate(world_);
-  dBodySetGyroscopicMode(body, gyroscopic_ ? 1 : 0);
-  dBodySetFiniteRotationMode(body, 0);
-  dBodySetMass(body, &mass);
-  dGeomSetBody(geom, body);
-  return body;
+void Scene::add_mechanism(const Scenario& scenario) {
+  const Mechanism& mechanism = scenario.mechanism;
+  std::vector<dBodyID> bodies;
+  for (const Body& what : mechanism.bodies) {
+    const dBodyID body = bodies.emplace_back(make_body(world_, space_, what, scenario.ode.gyroscopic));
+    number(dBodyGetFirstGeom(body), what.name);
+    bodies_.push_back(
+        {dBodyGetPosition(body), dBodyGetRotation(body), dBodyGetLinearVel(body), dBodyGetAngularVel(body)});
+  }
+  for (const Joint& joint : mechanism.joints) add_joint(joint, make_joint(world_, joint, bodies, mechanism.bodies));
+  for (const Obstacle& obstacle : mechanism.obstacles) number(make_obstacle(space_, obstacle), obstacle.name);
 }
 
-void Scene::show(dBodyID body, dJointID joint) {
-  const dReal* force = nullptr;
-  if (joint != nullptr) {
-    if (dJointGetFeedback(joint) == nullptr) {
-      dJointSetFeedback(joint, feedback_.emplace_back(std::make_unique<dJointFeedback>()).get());
+void Scene::add_joint(const Joint& joint, dJointID made) {
+  dJointFeedback& feedback = *feedback_.emplace_back(std::make_unique<dJointFeedback>());
+  dJointSetFeedback(made, &feedback);
+  joint_forces_.push_back(joint.second ? feedback.f2 : feedback.f1);
+}
+
+/// A geom knows its number, counted from 1.
+void Scene::number(dGeomID geom, std::string_view name) {
+  names_.emplace_back(name);
+  dGeomSetData(geom, reinterpret_cast<void*>(names_.size()));
+}
+
+void Scene::set_surfaces(const Scenario& scenario) {
+  const std::vector<Contact>& contacts = scenario.mechanism.contacts;
+  if (contacts.empty()) return;
+  for (const Contact& contact : contacts) surfaces_.push_back(surface_of(contact, scenario.ode));
+  for (const std::string& first : names_) {
+    for (const std::string& second : names_) {
+      const auto found =
+          std::ranges::find_if(contacts, [&](const Contact& contact) { return contact.is_between(first, second); });
+      of_pair_.push_back(found == contacts.end() ? nullptr : &surfaces_[static_cast<std::size_t>(found - contacts.begin())]);
     }
-    dJointFeedback& feedback = *dJointGetFeedback(joint);
-    force = dJointGetBody(joint, 0) == body ? feedback.f1 : feedback.f2;
   }
-  bodies_.push_back(
-      {dBodyGetPosition(body), dBodyGetRotation(body), dBodyGetLinearVel(body), dBodyGetAngularVel(body), force});
+}
+
+const Surface* Scene::surface_between(dGeomID first, dGeomID second) const {
+  if (of_pair_.empty()) return nullptr;
+  const auto number = [](dGeomID geom) { return reinterpret_cast<std::size_t>(dGeomGetData(geom)) - 1; };
+  return of_pair_[number(first) * names_.size() + number(second)];
 }
 
 void Scene::collide() {
@@ -121,16 +158,18 @@ void Scene::near_callback(void* data, dGeomID first, dGeomID second) {
   const dBodyID body1 = dGeomGetBody(first);
   const dBodyID body2 = dGeomGetBody(second);
   if (body1 != nullptr && body2 != nullptr && dAreConnectedExcluding(body1, body2, dJointTypeContact) != 0) return;
+  const Surface* const surface = scene.surface_between(first, second);
+  if (surface == nullptr) return;
 
   constexpr int most = 20;
   dContactGeom found[most];
   const int count = dCollide(first, second, most, found, sizeof(dContactGeom));
   for (int i = 0; i < count; ++i) {
     dContact contact{};
-    contact.surface = scene.surface_.parameters;
+    contact.surface = surface->parameters;
     contact.geom = found[i];
-    if (scene.surface_.shared) contact.surface.mu /= real(count);
-    if (scene.surface_.along_sliding) lay_along_sliding(contact, body1, body2);
+    if (surface->shared) contact.surface.mu /= real(count);
+    if (surface->along_sliding) lay_along_sliding(contact, body1, body2);
     const dJointID joint = dJointCreateContact(scene.world_, scene.contact_group_, &contact);
     dJointAttach(joint, body1, body2);
     scene.depth_ = std::max(scene.depth_, static_cast<double>(found[i].depth));

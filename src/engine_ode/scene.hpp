@@ -3,13 +3,14 @@
 #include <ode/ode.h>
 
 #include <memory>
+#include <string>
+#include <string_view>
 #include <vector>
 
+#include "engine_ode/build_mechanism.hpp"
 #include "odeval/scenario.hpp"
 
 namespace odeval::engine_ode {
-
-constexpr dReal real(double value) { return static_cast<dReal>(value); }
 
 /// Pointers into ODE's body that stay valid as long as the body, read without a call.
 struct BodyView {
@@ -17,7 +18,6 @@ struct BodyView {
   const dReal* rotation;  // 3 x 4, by rows
   const dReal* velocity;
   const dReal* spin;
-  const dReal* joint_force;  // of the body's joint on the body; null: it has none
 };
 
 /// What a contact is like.
@@ -27,11 +27,10 @@ struct Surface {
   bool along_sliding = false;  // friction acts along the way a contact slides, and across
 };
 
-/// Owns a world with its bodies, joints and space; what they are, its builders say (pendulum_scene.hpp,
-/// body_scene.hpp). Pinned in memory: ODE keeps pointers to it.
+/// Owns a world with a mechanism's bodies, joints and obstacles. Pinned in memory: ODE keeps pointers to it.
 class Scene {
  public:
-  /// A world without bodies, as the scenario's settings ask for it.
+  /// As the scenario's settings ask for it.
   explicit Scene(const Scenario& scenario);
   ~Scene();
   Scene(const Scene&) = delete;
@@ -41,12 +40,8 @@ class Scene {
   dSpaceID space() const { return space_; }
   const std::vector<BodyView>& bodies() const { return bodies_; }
 
-  /// A body with every setting of its own as in all scenes, and with its geom.
-  dBodyID add_body(const dMass& mass, dGeomID geom);
-  /// Shows the body to those who record; `joint` is the one whose force they see, null: none.
-  void show(dBodyID body, dJointID joint);
-  /// How all that touches does so.
-  void set_surface(const Surface& surface) { surface_ = surface; }
+  /// Of each joint on the body that it carries (Joint::carried), N, as of the last step.
+  const std::vector<const dReal*>& joint_forces() const { return joint_forces_; }
 
   /// Finds the contacts of the current pose and makes a joint of each; they act in the next step.
   void collide();
@@ -62,6 +57,11 @@ class Scene {
   Scene() = default;  // so that the destructor runs when ODE refuses a scenario half-way
   static void near_callback(void* scene, dGeomID first, dGeomID second);
   void set_world(const Scenario& scenario);
+  void add_mechanism(const Scenario& scenario);
+  void add_joint(const Joint& joint, dJointID made);
+  void number(dGeomID geom, std::string_view name);
+  void set_surfaces(const Scenario& scenario);
+  const Surface* surface_between(dGeomID first, dGeomID second) const;
 
   dThreadingImplementationID threading_ = nullptr;
   dWorldID world_ = nullptr;
@@ -69,8 +69,10 @@ class Scene {
   dJointGroupID contact_group_ = nullptr;
   std::vector<BodyView> bodies_;
   std::vector<std::unique_ptr<dJointFeedback>> feedback_;  // ODE keeps pointers to them
-  bool gyroscopic_ = true;
-  Surface surface_;
+  std::vector<const dReal*> joint_forces_;
+  std::vector<std::string> names_;         // of geoms, by number
+  std::vector<Surface> surfaces_;          // one a contact of the mechanism
+  std::vector<const Surface*> of_pair_;    // by the numbers of two geoms; null: they pass through each other
   int contacts_ = 0;
   double depth_ = 0;
 };

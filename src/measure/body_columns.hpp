@@ -2,8 +2,12 @@
 // Recorded bodies into columns of a trace.
 #include <array>
 #include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
 
-#include "odeval/method.hpp"
+#include "odeval/mechanism.hpp"
+#include "odeval/motion.hpp"
 #include "odeval/trace.hpp"
 
 namespace odeval {
@@ -23,21 +27,37 @@ inline void resize_bodies(Trace& trace, std::size_t bodies, std::size_t rows) {
   }
 }
 
-inline void store_body(BodyColumns& columns, std::size_t row, const BodyState& body) {
-  const auto store = [row]<std::size_t N>(std::array<Column, N>& to, const double(&values)[N]) {
+/// One sample of a body into its columns; `joint_force` is that of the joint that tables show beside it.
+inline void store_body(BodyColumns& columns, std::size_t row, const BodyState& body, const Vec3& joint_force) {
+  const auto store = [row]<std::size_t N>(std::array<Column, N>& to, const std::array<double, N>& values) {
     for (std::size_t i = 0; i < N; ++i) to[i][row] = values[i];
   };
   store(columns.position, body.position);
   store(columns.rotation, body.rotation);
   store(columns.velocity, body.velocity);
   store(columns.spin, body.spin);
-  store(columns.joint_force, body.joint_force);
+  store(columns.joint_force, joint_force);
 }
+
+/// The force that tables show beside each body: of its carrier, zero without one.
+class ForcesOfBodies {
+ public:
+  explicit ForcesOfBodies(const Mechanism& mechanism) {
+    for (std::size_t i = 0; i < mechanism.bodies.size(); ++i) carriers_.push_back(carrier_of(mechanism, i));
+  }
+
+  Vec3 operator()(std::size_t body, std::span<const JointState> joints) const {
+    const std::optional<Carrier>& carrier = carriers_[body];
+    return carrier ? carrier->sign * joints[carrier->joint].force : Vec3{};
+  }
+
+ private:
+  std::vector<std::optional<Carrier>> carriers_;
+};
 
 /// Spin about one of the body's own axes, rad/s.
 inline double spin_along(const BodyState& body, std::size_t axis) {
-  return body.spin[0] * body.rotation[axis] + body.spin[1] * body.rotation[3 + axis] +
-         body.spin[2] * body.rotation[6 + axis];
+  return dot(body.spin, axis_of(body.rotation, axis));
 }
 
 }  // namespace odeval

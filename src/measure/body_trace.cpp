@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <span>
 
 #include "measure/body_columns.hpp"
+#include "measure/greater.hpp"
 
 namespace odeval {
 namespace {
-
-Vec3 vec(const double* p) { return {p[0], p[1], p[2]}; }
 
 /// Angular momentum about the centre, in the world, and the energy of the rotation.
 struct Turning {
@@ -17,34 +16,45 @@ struct Turning {
   double energy = 0;
 };
 
+Turning turning(const std::array<double, 9>& inertia, const BodyState& body) {
+  const Vec3 spin{spin_along(body, 0), spin_along(body, 1), spin_along(body, 2)};
+  const Vec3 momentum = turned(inertia, spin);
+  return {turned(body.rotation, momentum), dot(spin, momentum) / 2};
+}
+
+/// The same of a body whose own axes are principal ones.
 Turning turning(const Vec3& moments, const BodyState& body) {
   Turning turning;
-  const Vec3 spin = vec(body.spin);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const Vec3 direction{body.rotation[axis], body.rotation[3 + axis], body.rotation[6 + axis]};
-    const double rate = dot(spin, direction);
+    const Vec3 direction = axis_of(body.rotation, axis);
+    const double rate = dot(body.spin, direction);
     turning.energy += moments[axis] * rate * rate / 2;
     for (std::size_t k = 0; k < 3; ++k) turning.momentum[k] += moments[axis] * rate * direction[k];
   }
   return turning;
 }
 
-/// How far a body reaches into the ground; < 0: above it.
-double overlap(const Body& what, const BodyState& body, const Vec3& normal) {
-  double reach = what.size_m[0] / 2;
-  if (what.shape == Shape::box) {
-    reach = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Vec3 direction{body.rotation[axis], body.rotation[3 + axis], body.rotation[6 + axis]};
-      reach += what.size_m[axis] / 2 * std::fabs(dot(direction, normal));
-    }
-  }
-  return reach - dot(normal, vec(body.position));
+Turning turning(const Body& what, const BodyState& body) {
+  return what.inertia_kgm2 ? turning(*what.inertia_kgm2, body) : turning(what.uniform_moments_kgm2(), body);
 }
 
-double distance(const Vec3& a, const Vec3& b) {
-  const Vec3 between{a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-  return std::sqrt(dot(between, between));
+/// How far a shape reaches from its centre along a direction.
+double reach(const Shape& shape, const BodyState& body, const Vec3& normal) {
+  const Vec3 sides = sides_m(shape);
+  if (is_sphere(shape)) return sides[0] / 2;
+  double reach = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    reach += sides[axis] / 2 * std::fabs(dot(axis_of(body.rotation, axis), normal));
+  }
+  return reach;
+}
+
+/// The first plane that something stands on; null: none.
+const HalfSpace* ground_of(const Mechanism& mechanism) {
+  for (const Obstacle& obstacle : mechanism.obstacles) {
+    if (const auto* const plane = std::get_if<HalfSpace>(&obstacle.shape)) return plane;
+  }
+  return nullptr;
 }
 
 template <std::size_t N>
@@ -54,79 +64,103 @@ double squared_difference(const std::array<Column, N>& a, const std::array<Colum
   return sum;
 }
 
-Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-
-/// The joint's halves: one on the first body; the other on the second, or in the world.
+/// A joint's halves: one on the first body; the other on the second, or in the world.
 class JointHalves {
  public:
-  explicit JointHalves(const Scenario& scenario) : scenario_(scenario) {}
-
-  /// At t = 0, when the first body's half stands away from the anchor by the displacement.
-  void start(std::size_t body, const BodyState& state) {
-    if (body > 1) return;
-    const Vec3 anchor = scenario_.joint->anchor_m;
-    const Vec3 away = minus(anchor, scenario_.bodies[body].position_m);
-    const Vec3& shift = scenario_.joint->displacement_m;
-    const Vec3 arm = body == 0 ? Vec3{away[0] + shift[0], away[1] + shift[1], away[2] + shift[2]} : away;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      arms_[body][axis] = dot(arm, {state.rotation[axis], state.rotation[3 + axis], state.rotation[6 + axis]});
-    }
-    halves_[1] = anchor;
+  /// As the bodies stand at t = 0, when the first body's half stands away from the anchor by the opening.
+  JointHalves(const Joint& joint, const std::vector<Body>& starts, std::span<const BodyState> bodies)
+      : joint_(joint), anchor_(anchor_m(joint.kind)) {
+    arms_[0] = in_body(anchor_ - starts[joint.first].position_m + joint.opening_m, bodies[joint.first]);
+    if (joint.second) arms_[1] = in_body(anchor_ - starts[*joint.second].position_m, bodies[*joint.second]);
   }
 
-  void move(std::size_t body, const BodyState& state) {
-    if (body > 1) return;
-    for (std::size_t k = 0; k < 3; ++k) {
-      halves_[body][k] = state.position[k] + dot(vec(state.rotation + 3 * k), arms_[body]);
-    }
+  double gap(std::span<const BodyState> bodies) const {
+    const Vec3 other = joint_.second ? half(1, bodies[*joint_.second]) : anchor_;
+    return distance(half(0, bodies[joint_.first]), other);
   }
-
-  double gap() const { return distance(halves_[0], halves_[1]); }
 
  private:
-  const Scenario& scenario_;
+  static Vec3 in_body(const Vec3& arm, const BodyState& body) {
+    return {dot(arm, axis_of(body.rotation, 0)), dot(arm, axis_of(body.rotation, 1)), dot(arm, axis_of(body.rotation, 2))};
+  }
+  Vec3 half(std::size_t which, const BodyState& body) const {
+    return body.position + turned(body.rotation, arms_[which]);
+  }
+
+  Joint joint_;
+  Vec3 anchor_;
   std::array<Vec3, 2> arms_{};  // body frame
-  std::array<Vec3, 2> halves_{};
+};
+
+/// Fills the columns of a trace, one sample after the other.
+class BodyReader {
+ public:
+  BodyReader(const Scenario& scenario, Trace& trace, std::size_t rows)
+      : scenario_(scenario),
+        mechanism_(scenario.mechanism),
+        trace_(trace),
+        force_of_(scenario.mechanism),
+        ground_(ground_of(scenario.mechanism)),
+        torque_free_(scenario.mechanism.contacts.empty() && scenario.mechanism.joints.empty()),
+        start_(mechanism_.bodies.size()) {
+    resize_bodies(trace, mechanism_.bodies.size(), rows);
+    for (Column* column : {&trace.t, &trace.kinetic, &trace.potential, &trace.contacts}) column->resize(rows);
+    if (torque_free_) trace.angular_momentum_drift.resize(rows);
+    if (ground_ != nullptr) trace.penetration.resize(rows);
+    if (!mechanism_.joints.empty()) trace.gap.resize(rows);
+    trace.long_axis_spin.assign(mechanism_.bodies.size(), Column(rows));
+  }
+
+  void read(std::size_t k, const ConstSample& sample) {
+    for (std::size_t i = 0; i < mechanism_.bodies.size(); ++i) read_body(k, i, sample);
+    if (!mechanism_.joints.empty()) trace_.gap[k] = largest_gap(sample.bodies);
+    trace_.contacts[k] = sample.contacts;
+  }
+
+ private:
+  void read_body(std::size_t k, std::size_t i, const ConstSample& sample) {
+    const Body& what = mechanism_.bodies[i];
+    const BodyState& body = sample.bodies[i];
+    const Turning turned = turning(what, body);
+    trace_.kinetic[k] += what.mass_kg * dot(body.velocity, body.velocity) / 2 + turned.energy;
+    trace_.potential[k] += what.mass_kg * scenario_.gravity * body.position[2];
+    if (k == 0) start_[i] = turned.momentum;
+    if (torque_free_) trace_.angular_momentum_drift[k] += distance(turned.momentum, start_[i]);
+    trace_.long_axis_spin[i][k] = spin_along(body, what.long_axis());
+    if (ground_ != nullptr) {
+      const double height = dot(ground_->normal, body.position) - ground_->offset_m;
+      trace_.penetration[k] = std::fmax(trace_.penetration[k], reach(what.shape, body, ground_->normal) - height);
+    }
+    store_body(trace_.bodies[i], k, body, force_of_(i, sample.joints));
+  }
+
+  double largest_gap(std::span<const BodyState> bodies) {
+    if (halves_.empty()) {
+      for (const Joint& joint : mechanism_.joints) halves_.emplace_back(joint, mechanism_.bodies, bodies);
+    }
+    double largest = 0;
+    for (const JointHalves& halves : halves_) largest = greater(halves.gap(bodies), largest);
+    return largest;
+  }
+
+  const Scenario& scenario_;
+  const Mechanism& mechanism_;
+  Trace& trace_;
+  ForcesOfBodies force_of_;
+  const HalfSpace* ground_;
+  bool torque_free_;
+  std::vector<Vec3> start_;  // angular momenta
+  std::vector<JointHalves> halves_;
 };
 
 }  // namespace
 
-Trace body_trace(const Scenario& scenario, const SampleGrid& grid, const Rows& rows) {
-  const std::size_t count = scenario.bodies.size();
-  const bool torque_free = !scenario.ground && !scenario.joint;
+Trace body_trace(const Scenario& scenario, const SampleGrid& grid, const Motion& motion) {
   Trace trace;
-  resize_bodies(trace, count, rows.count());
-  for (Column* column : {&trace.t, &trace.kinetic, &trace.potential, &trace.contacts}) column->resize(rows.count());
-  if (torque_free) trace.angular_momentum_drift.resize(rows.count());
-  if (scenario.ground) trace.penetration.resize(rows.count());
-  if (scenario.joint) trace.gap.resize(rows.count());
-  trace.long_axis_spin.assign(count, Column(rows.count()));
-
-  JointHalves halves(scenario);
-  std::vector<Vec3> start(count);
-  for (std::size_t k = 0; k < rows.count(); ++k) {
+  BodyReader reader(scenario, trace, motion.size());
+  for (std::size_t k = 0; k < motion.size(); ++k) {
     trace.t[k] = grid.time(static_cast<long>(k));
-    for (std::size_t i = 0; i < count; ++i) {
-      const Body& what = scenario.bodies[i];
-      BodyState body;
-      std::memcpy(&body, rows.row(k) + i * body_numbers, sizeof body);
-      const Vec3 velocity = vec(body.velocity);
-      const Turning turned = turning(what.inertia_kgm2(), body);
-      trace.kinetic[k] += what.mass_kg * dot(velocity, velocity) / 2 + turned.energy;
-      trace.potential[k] += what.mass_kg * scenario.gravity * body.position[2];
-      if (k == 0) start[i] = turned.momentum;
-      if (torque_free) trace.angular_momentum_drift[k] += distance(turned.momentum, start[i]);
-      trace.long_axis_spin[i][k] = spin_along(body, what.long_axis());
-      if (scenario.ground) {
-        trace.penetration[k] = std::fmax(trace.penetration[k], overlap(what, body, scenario.ground->normal()));
-      }
-      store_body(trace.bodies[i], k, body);
-      if (!scenario.joint) continue;
-      if (k == 0) halves.start(i, body);
-      halves.move(i, body);
-    }
-    if (scenario.joint) trace.gap[k] = halves.gap();
-    trace.contacts[k] = rows.row(k)[count * body_numbers];
+    reader.read(k, motion[k]);
   }
   return trace;
 }

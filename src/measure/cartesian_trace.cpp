@@ -2,26 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "measure/body_columns.hpp"
+#include "measure/greater.hpp"
 #include "measure/unwrap.hpp"
 
 namespace odeval {
 
 namespace {
-
-Vec3 vec(const double* p) { return {p[0], p[1], p[2]}; }
-Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Vec3 shifted(const Vec3& from, double distance, const Vec3& along) {
-  return {from[0] + distance * along[0], from[1] + distance * along[1], from[2] + distance * along[2]};
-}
-double length(const Vec3& a) { return std::sqrt(dot(a, a)); }
-
-// A direction fixed in the body, in the world.
-Vec3 turned(const double* rotation, const Vec3& v) {
-  return {dot(vec(rotation), v), dot(vec(rotation + 3), v), dot(vec(rotation + 6), v)};
-}
 
 /// What one link does in one row.
 struct LinkState {
@@ -51,14 +39,14 @@ class LinkMeter {
         inertia_hinge_(link.inertia_kgm2()) {}
 
   LinkState operator()(const BodyState& body) const {
-    const Vec3 x = vec(body.position);
-    const Vec3 v = vec(body.velocity);
-    const Vec3 w = vec(body.spin);
+    const Vec3& x = body.position;
+    const Vec3& v = body.velocity;
+    const Vec3& w = body.spin;
     const Vec3 along = turned(body.rotation, frame_.along_body);
     const double w_along = dot(w, along);
     const double w_across = dot(w, turned(body.rotation, frame_.across_body));
     const double w_hinge = dot(w, turned(body.rotation, third_body_));
-    const Vec3 from_hinge = minus(x, frame_.hinge_m);
+    const Vec3 from_hinge = x - frame_.hinge_m;
 
     LinkState state;
     state.angle = std::atan2(dot(along, frame_.up), dot(along, frame_.horizontal));
@@ -68,8 +56,8 @@ class LinkMeter {
     state.potential = weight_ * from_hinge[2];
     state.out_of_plane = std::fabs(dot(from_hinge, axis_));
     state.long_axis_spin = w_along;
-    state.near_end = shifted(x, -to_near_, along);
-    state.far_end = shifted(x, to_far_, along);
+    state.near_end = x + -to_near_ * along;
+    state.far_end = x + to_far_ * along;
     return state;
   }
 
@@ -86,9 +74,6 @@ class LinkMeter {
   double inertia_hinge_;
 };
 
-// NaN wins, so that a broken row never looks sound.
-double greater(double a, double b) { return a >= b || std::isnan(a) ? a : b; }
-
 Trace sized_trace(std::size_t links, std::size_t rows) {
   Trace trace;
   trace.q.assign(links, Column(rows));
@@ -104,25 +89,25 @@ Trace sized_trace(std::size_t links, std::size_t rows) {
 
 }  // namespace
 
-Trace cartesian_trace(const Scenario& scenario, const SampleGrid& grid, const Rows& rows) {
-  const PlanarFrame& frame = scenario.problem->frame;
-  const std::size_t links = scenario.links.size();
-  Trace trace = sized_trace(links, rows.count());
+Trace cartesian_trace(const Scenario& scenario, const SampleGrid& grid, const Motion& motion) {
+  const PlanarFrame& frame = scenario.planar->frame;
+  const std::size_t links = scenario.planar->links.size();
+  Trace trace = sized_trace(links, motion.size());
+  const ForcesOfBodies force_of(scenario.mechanism);
 
   std::vector<LinkMeter> meters;
   for (std::size_t i = 0; i < links; ++i) {
-    meters.emplace_back(frame, scenario.links[i], scenario.gravity);
+    meters.emplace_back(frame, scenario.planar->links[i], scenario.gravity);
   }
 
-  for (std::size_t k = 0; k < rows.count(); ++k) {
-    const double* row = rows.row(k);
+  for (std::size_t k = 0; k < motion.size(); ++k) {
+    const ConstSample sample = motion[k];
     trace.t[k] = grid.time(static_cast<long>(k));
     double angle_inside = 0;  // of the link before
     double rate_inside = 0;
     Vec3 anchor = frame.hinge_m;
     for (std::size_t i = 0; i < links; ++i) {
-      BodyState body;
-      std::memcpy(&body, row + i * body_numbers, sizeof body);
+      const BodyState& body = sample.bodies[i];
       const LinkState state = meters[i](body);
 
       const double angle = unwrap(state.angle, body.angle);
@@ -134,13 +119,13 @@ Trace cartesian_trace(const Scenario& scenario, const SampleGrid& grid, const Ro
       trace.kinetic[k] += state.kinetic;
       trace.potential[k] += state.potential;
       trace.out_of_plane[k] = greater(trace.out_of_plane[k], state.out_of_plane);
-      trace.gap[k] = greater(trace.gap[k], length(minus(state.near_end, anchor)));
+      trace.gap[k] = greater(trace.gap[k], distance(state.near_end, anchor));
       anchor = state.far_end;
 
       trace.long_axis_spin[i][k] = state.long_axis_spin;
-      store_body(trace.bodies[i], k, body);
+      store_body(trace.bodies[i], k, body, force_of(i, sample.joints));
     }
-    trace.contacts[k] = row[links * body_numbers];
+    trace.contacts[k] = sample.contacts;
   }
   return trace;
 }

@@ -3,11 +3,11 @@
 namespace odeval {
 
 Column centred_kinetic(const Scenario& scenario, const Trace& trace) {
-  const Vec3 axis = scenario.problem->frame.axis();
+  const Vec3 axis = scenario.planar->frame.axis();
   Column kinetic(trace.rows() > 0 ? trace.rows() - 1 : 0);
   for (std::size_t i = 0; i < trace.bodies.size(); ++i) {
     const BodyColumns& body = trace.bodies[i];
-    const Link& link = scenario.links[i];
+    const Link& link = scenario.planar->links[i];
     for (std::size_t k = 0; k < kinetic.size(); ++k) {
       double speed_squared = 0;
       double spin = 0;

@@ -181,8 +181,8 @@ class HingeSystem {
  public:
   HingeSystem(const Trace& trace, const Scenario& scenario, double regularisation)
       : trace_(trace),
-        links_(scenario.links),
-        frame_(scenario.problem->frame),
+        links_(scenario.planar->links),
+        frame_(scenario.planar->frame),
         along_body_(vector(frame_.along_body)),
         horizontal_(vector(frame_.horizontal)),
         up_(vector(frame_.up)),
@@ -318,7 +318,7 @@ class HingeSystem {
 
 void add_conditioning(Trace& trace, const Scenario& scenario, SystemMatrix matrix) {
   const std::size_t rows = trace.rows();
-  PlanarChain chain(scenario.links);
+  PlanarChain chain(scenario.planar->links);
   const bool generalized = matrix == SystemMatrix::mass_matrix;
   trace.manipulability.resize(rows);
   if (generalized) trace.condition.resize(rows);

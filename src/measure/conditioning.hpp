@@ -1,18 +1,10 @@
 #pragma once
 // How well conditioned the equations are that a formulation solves in each pose of a trace.
+#include "odeval/engine.hpp"
 #include "odeval/scenario.hpp"
 #include "odeval/trace.hpp"
 
 namespace odeval {
-
-/// The matrix that a formulation inverts or factors.
-enum class SystemMatrix {
-  none,            // nobody said which
-  mass_matrix,     // M(q), n x n, in the report's relative coordinates (D.2)
-  hinge_rows,      // J M^-1 J^T of all five rows a hinge, 5n x 5n
-  hinge_rows_cfm,  // the same + CFM / h on the diagonal: ODE
-  planar_joints,   // J M^-1 J^T of joints in the plane, 2n x 2n, no CFM
-};
 
 /// Fills `trace.condition` with the 1-norm condition number |A|_1 |A^-1|_1 of that matrix at each row's pose, exact to
 /// rounding, and `trace.manipulability` with the report's measure (D.4): least over largest eigenvalue of J^T J, where
@@ -23,6 +15,7 @@ enum class SystemMatrix {
 /// Rows    of a hinge as ODE makes them: 3 that hold the anchors together, 2 that hold the axes parallel, with the
 ///         bodies' rotations as recorded and the anchors at the links' ends; rows of contacts are left out
 /// Shapes  the trace has q and, but for the mass matrix, bodies
+/// Needs the scenario's planar view.
 void add_conditioning(Trace& trace, const Scenario& scenario, SystemMatrix matrix);
 
 }  // namespace odeval

@@ -70,7 +70,7 @@ FixedBox box_of(const Wall& wall, const PlanarView& view) {
 // Of one link its angle, of several each ball's way to the wall.
 std::vector<ImpactView> impacts_on(const Wall& wall, const PlanarView& view) {
   const Vec3 away{1, 0, 0};
-  if (view.links.size() == 1) return {{.normal = away, .as_angle = true, .as_rate = true, .touches_at = {}}};
+  if (view.links.size() == 1) return {{.normal = away, .as_angle = true, .as_rate = true}};
   std::vector<ImpactView> views;
   for (std::size_t i = 0; i < view.links.size(); ++i) {
     views.push_back({.body = i,
@@ -90,7 +90,7 @@ void put_planar(Scenario& scenario, PlanarView view) {
   add_links(scenario.mechanism, view);
   if (view.wall) {
     scenario.mechanism.obstacles.push_back({box_of(*view.wall, view), "wall"});
-    scenario.mechanism.contacts.push_back({.restitution = view.wall->restitution, .friction = {}});
+    scenario.mechanism.contacts.push_back({.restitution = view.wall->restitution});
     scenario.impact_views = impacts_on(*view.wall, view);
   }
   scenario.planar = std::make_shared<const PlanarView>(std::move(view));

@@ -29,10 +29,10 @@ Joint joint_of(const JointTable& table, bool pair) {
 void put_ground(Scenario& scenario, const GroundTable& table, bool friction) {
   const HalfSpace plane = sloping(table.slope_rad);
   scenario.mechanism.obstacles.push_back({plane, "ground"});
-  Contact contact{.restitution = table.restitution, .friction = {}};
+  Contact contact{.restitution = table.restitution};
   if (friction) contact.friction = Friction{table.friction, table.friction_model};
   scenario.mechanism.contacts.push_back(contact);
-  scenario.impact_views.push_back({.normal = plane.normal, .touches_at = {}});
+  scenario.impact_views.push_back({.normal = plane.normal});
 }
 
 }  // namespace

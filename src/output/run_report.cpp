@@ -65,14 +65,14 @@ std::string run_report(const std::vector<RunSummary>& runs, std::span<const doub
                           three_digits(run.outcome.self_difference));
     }
   }
-  text += scenario.family() == Family::bodies
+  text += !scenario.planar
               ? "\ndistance   largest distance of a body from the reference ± what the reference may itself be off by\n"
                 "turned     likewise the angle between its attitude and the reference's\n"
               : fmt::format(
                     "\nerror      largest angle error against the reference ± what the reference may itself be "
                     "off by\nlost at    first error above {:g} rad\n",
                     divergence_rad);
-  text += "reference  " + reference.described + '\n';
+  text += "reference  " + reference.origin + '\n';
   if (const auto lost = runs.front().metrics.reference_lost_at) {
     text += fmt::format("           itself unknown to {:g} rad from t = {:g} s: nothing is called lost after that\n",
                         divergence_rad, *lost);

@@ -25,23 +25,17 @@ Json json_of(const std::vector<double>& numbers) {
   return list;
 }
 
-Json json_of(const Link& link) {
-  Json json = {{"mass", link.mass_kg}, {"length", link.length_m}, {"width", link.width_m}, {"depth", link.depth_m}};
-  if (link.shape == Shape::sphere) json["shape"] = "sphere";
-  return json;
-}
-
-Json json_of(const Vec3& vector) { return json_of(std::vector<double>(vector.begin(), vector.end())); }
-
-Json json_of(const Body& body) {
-  return {{"shape", body.shape == Shape::sphere ? "sphere" : "box"},
-          {"mass", body.mass_kg},
-          {"size", json_of(body.size_m)},
-          {"position", json_of(body.position_m)},
-          {"turn", json_of(body.turn_rad)},
-          {"velocity", json_of(body.velocity_m_s)},
-          {"spin", json_of(body.spin_rad_s)},
-          {"aspect", body.aspect}};
+/// Puts a value where its key says: "links.0.mass" into the first object of a list.
+void put(Json& json, std::string_view key, const SettingValue& value) {
+  Json* at = &json;
+  for (std::size_t end = 0; end != std::string_view::npos; key.remove_prefix(std::min(end + 1, key.size()))) {
+    end = key.find('.');
+    const std::string part(key.substr(0, end));
+    const bool number = !part.empty() && std::ranges::all_of(part, [](char letter) { return letter >= '0' && letter <= '9'; });
+    at = number ? &(*at)[std::stoul(part)] : &(*at)[part];
+    if (end == std::string_view::npos) break;
+  }
+  *at = std::visit([](const auto& v) { return Json(v); }, value);
 }
 
 Json json_of(const Impact& impact) {
@@ -55,6 +49,10 @@ Json json_of(const Impact& impact) {
   return json;
 }
 
+bool rubs(const Mechanism& mechanism) {
+  return std::ranges::any_of(mechanism.contacts, [](const Contact& contact) { return contact.friction.has_value(); });
+}
+
 Json ode_settings(const Scenario& scenario) {
   const OdeSettings& ode = scenario.ode;
   const Softness softness = ode.softness(scenario.step_s);
@@ -65,11 +63,11 @@ Json ode_settings(const Scenario& scenario) {
                {"kd", json_number(spring.kd_Ns_m)},
                {"iterations", ode.iterations},
                {"sor_w", ode.sor_w}};
-  if (scenario.wall || scenario.ground) json["bounce"] = ode.bounce.value_or(scenario.restitution());
+  if (!scenario.mechanism.contacts.empty()) json["bounce"] = ode.bounce.value_or(scenario.restitution());
   json["bounce_vel"] = ode.bounce_vel;
   json["max_correcting_vel"] = json_number(ode.max_correcting_vel);
   json["surface_layer"] = ode.surface_layer;
-  if (scenario.problem->friction) {
+  if (rubs(scenario.mechanism)) {
     json["friction_axes"] = ode.friction_axes == FrictionAxes::sliding ? "sliding" : "plane-space";
   }
   json["start"] = ode.start == Start::half_step ? "half-step" : "as-given";
@@ -84,30 +82,13 @@ Json settings(const RunSummary& run) {
                {"duration", run.grid.time(run.grid.rows - 1)},
                {"sample", scenario.sample_s.value_or(run.grid.step_s)},
                {"gravity", scenario.gravity}};
-  if (scenario.family() == Family::pendulum) {
-    json["q0"] = json_of(scenario.q0);
-    json["qd0"] = json_of(scenario.qd0);
+  if (scenario.planar) {
+    json["q0"] = json_of(scenario.planar->q0);
+    json["qd0"] = json_of(scenario.planar->qd0);
   }
   if (run.rtol) json["rtol"] = *run.rtol;
   if (run.atol) json["atol"] = *run.atol;
-  if (scenario.n) json["n"] = *scenario.n;
-  for (const Link& link : scenario.links) json["links"].push_back(json_of(link));
-  for (const Body& body : scenario.bodies) json["bodies"].push_back(json_of(body));
-  if (scenario.ground) {
-    json["ground"] = {{"slope", scenario.ground->slope_rad}, {"restitution", scenario.ground->restitution}};
-    if (scenario.problem->friction) {
-      json["ground"]["friction"] = scenario.ground->friction;
-      json["ground"]["friction_model"] =
-          scenario.ground->friction_model == FrictionModel::constant ? "constant" : "pyramid";
-    }
-  }
-  if (scenario.joint) {
-    json["joint"] = {{"kind", scenario.joint->kind == Joint::Kind::hinge ? "hinge" : "ball"},
-                     {"anchor", json_of(scenario.joint->anchor_m)},
-                     {"displacement", json_of(scenario.joint->displacement_m)}};
-    if (scenario.joint->kind == Joint::Kind::hinge) json["joint"]["axis"] = json_of(scenario.joint->axis);
-  }
-  if (scenario.wall) json["wall"] = {{"face", scenario.wall->face_m}, {"restitution", scenario.wall->restitution}};
+  for (const auto& [key, value] : scenario.definition) put(json, key, value);
   if (run.uses_ode) json["ode"] = ode_settings(scenario);
   if (run.uses_bounce) {
     json["ode"] = {{"bounce", json_number(scenario.ode.bounce.value_or(scenario.restitution()))}};
@@ -123,14 +104,14 @@ bool is_error(const MetricRow& metric) {
 }
 
 /// Of a pendulum the errors of angles, known or not; of bodies their own.
-Json errors_at(const std::vector<Metrics>& error_at, Family family) {
+Json errors_at(const std::vector<Metrics>& error_at, bool angles) {
   Json json = Json::object();
   for (const Metrics& metrics : error_at) {
     Json& at = json[number_text(metrics.until_s)] = Json::object();
     for (const MetricRow& row : metric_table()) {
       const bool of_either = row.name.starts_with("time_shift");
       const bool of_angles = row.uncertainty == "reference_uncertainty" || row.name == "reference_uncertainty";
-      if (is_error(row) && (of_either || of_angles == (family == Family::pendulum))) {
+      if (is_error(row) && (of_either || of_angles == angles)) {
         at[std::string(row.name)] = json_of(row.value(metrics));
       }
     }
@@ -177,7 +158,7 @@ std::string summary_json(const RunSummary& run) {
   json["reason"] = outcome.reason.empty() ? Json() : Json(outcome.reason);
   for (const MetricRow& row : metric_table()) json[std::string(row.name)] = json_of(row.value(run.metrics));
   json["reference_lost_at"] = json_of(run.metrics.reference_lost_at);
-  json["error_at"] = errors_at(run.error_at, run.scenario.family());
+  json["error_at"] = errors_at(run.error_at, run.scenario.planar != nullptr);
   if (outcome.self_difference) json["self_difference"] = json_number(*outcome.self_difference);
   json["at_rest_from"] = outcome.at_rest_from < 0 ? Json() : json_number(outcome.at_rest_from);
   json["impacts"] = Json::array();

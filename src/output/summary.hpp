@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "odeval/method.hpp"
+#include "odeval/motion.hpp"
 #include "odeval/metrics.hpp"
 #include "odeval/scenario.hpp"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "odeval/method.hpp"
+#include "odeval/motion.hpp"
 #include "odeval/metrics.hpp"
 
 namespace odeval {

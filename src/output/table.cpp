@@ -79,7 +79,7 @@ std::string body_cell(const RunSummary& run, const Metrics* metrics, std::option
 }
 
 std::string body_table(const std::vector<RunSummary>& runs, std::span<const double> ns_per_step) {
-  const bool joint = runs.front().scenario.joint.has_value();
+  const bool joint = !runs.front().scenario.mechanism.joints.empty();
   TextTable table("lrrrrrrrrl",
                   {"method", "distance to 1 s, m", "to the end", "turned to 1 s, rad", "to the end", "drift, J",
                    joint ? "force error, N" : "momentum, N m s", "impacts", "µs/step", "status"});
@@ -103,7 +103,7 @@ std::string body_table(const std::vector<RunSummary>& runs, std::span<const doub
 }  // namespace
 
 std::string summary_table(const std::vector<RunSummary>& runs, std::span<const double> ns_per_step) {
-  if (runs.front().scenario.family() == Family::bodies) return body_table(runs, ns_per_step);
+  if (!runs.front().scenario.planar) return body_table(runs, ns_per_step);
   TextTable table("lrrrrrrrrl", {"method", "error to 1 s, rad", "to 3 s", "to the end", "lost at, s", "drift, J",
                                  "gap, m", "impacts", "µs/step", "status"});
   for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -117,7 +117,7 @@ std::string summary_table(const std::vector<RunSummary>& runs, std::span<const d
 }
 
 std::string impacts_table(const std::vector<RunSummary>& runs, const std::vector<Impact>& reference, std::size_t most) {
-  const bool bodies = runs.front().scenario.family() == Family::bodies;
+  const bool bodies = !runs.front().scenario.planar;
   const auto of_ball = [](const RunSummary& run) {
     return std::ranges::any_of(run.outcome.impacts, [](const Impact& impact) { return impact.link.has_value(); });
   };
