@@ -8,6 +8,7 @@
 #include <string>
 
 #include "odeval/error.hpp"
+#include "reference/bodies/solution.hpp"
 #include "reference/generalized_rows.hpp"
 #include "reference/jacobi.hpp"
 #include "reference/wall_bounce.hpp"
@@ -21,7 +22,7 @@ using std::numbers::pi;
 }  // namespace
 
 FreePendulum::FreePendulum(const Scenario& scenario, const State& start) : start_(start) {
-  const Link& link = scenario.links.at(0);
+  const Link& link = scenario.planar->links.at(0);
   const double c = link.centre_m();
   const double inertia = link.inertia_kgm2() + link.mass_kg * c * c;
   omega_ = std::sqrt(link.mass_kg * std::fabs(scenario.gravity) * c / inertia);
@@ -105,7 +106,7 @@ std::optional<FreePendulum::Passage> FreePendulum::passage(double q, bool rising
 
 ClosedFormPendulum::ClosedFormPendulum(const Scenario& scenario, double until_s) {
   const WallBounce wall(scenario);
-  FreePendulum::State y = start_state<2>(scenario);
+  FreePendulum::State y = start_state<FreePendulum::State>(*scenario.planar);
   if (wall.rests(y)) {
     outcome_.at_rest_from = 0;
     rest_ = y;
@@ -132,7 +133,7 @@ FreePendulum::State ClosedFormPendulum::at(double t_s) const {
   return piece.swing.at(t_s - piece.begin_s);
 }
 
-bool has_closed_form(const Scenario& scenario) { return scenario.links.size() == 1; }
+bool has_closed_form(const PlanarView& view) { return view.links.size() == 1; }
 
 namespace {
 
@@ -141,7 +142,9 @@ class Analytic final : public Simulation {
   Analytic(const Scenario& scenario, const SampleGrid& grid)
       : grid_(grid), motion_(scenario, grid.time(grid.rows - 1)) {}
 
-  Outcome run(Rows* rows) override {
+  SampleShape shape() const override { return {.coordinates = 1}; }
+
+  Outcome run(Recorder recorder) override {
     Outcome outcome = motion_.outcome();
     for (long row = 0; row < grid_.rows; ++row) {
       const double t = grid_.time(row);
@@ -151,7 +154,7 @@ class Analytic final : public Simulation {
         set_not_finite(outcome, y, t);
         return outcome;
       }
-      record(rows, y);
+      record(recorder, y);
       outcome.steps = row;
     }
     return outcome;
@@ -165,9 +168,10 @@ class Analytic final : public Simulation {
 }  // namespace
 
 std::unique_ptr<Simulation> make_analytic(const Scenario& scenario, const SampleGrid& grid) {
-  if (!has_closed_form(scenario)) {
-    throw UserError("method 'analytic' has no closed form for problem '" + std::string(scenario.problem->name) +
-                    "'; it does one link");
+  if (!scenario.planar) return make_body_analytic(scenario, grid);
+  if (!has_closed_form(*scenario.planar)) {
+    throw UserError("method 'analytic' has no closed form for " + std::to_string(scenario.planar->links.size()) +
+                    " links; it does one link");
   }
   return std::make_unique<Analytic>(scenario, grid);
 }

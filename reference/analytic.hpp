@@ -18,7 +18,7 @@
 #include <optional>
 #include <vector>
 
-#include "odeval/method.hpp"
+#include "odeval/engine.hpp"
 
 namespace odeval::reference {
 
@@ -78,8 +78,9 @@ class ClosedFormPendulum {
 };
 
 /// One link; with a wall or without.
-bool has_closed_form(const Scenario& scenario);
+bool has_closed_form(const PlanarView& view);
 
+/// Method analytic: of one link, or where there are no joint coordinates of bodies (bodies/solution.hpp).
 /// Throws UserError for a scenario without a closed form. Outcome::steps counts the samples after t = 0.
 std::unique_ptr<Simulation> make_analytic(const Scenario& scenario, const SampleGrid& grid);
 

@@ -24,10 +24,12 @@ class BallWall {
   using State = Equations::State;
   using PerBall = std::array<double, balls>;
 
-  explicit BallWall(const Scenario& scenario) : equations_(scenario), restitution_(scenario.wall.value().restitution) {
+  explicit BallWall(const Scenario& scenario)
+      : equations_(scenario), restitution_(scenario.planar->wall.value().restitution) {
+    const PlanarView& view = *scenario.planar;
     for (std::size_t k = 0; k < balls; ++k) {
-      length_[k] = scenario.links[k].length_m;
-      offset_[k] = scenario.problem->frame.hinge_m[0] - scenario.wall->face_m - scenario.links[k].width_m / 2;
+      length_[k] = view.links[k].length_m;
+      offset_[k] = view.frame.hinge_m[0] - view.wall->face_m - view.links[k].width_m / 2;
     }
   }
 

@@ -4,26 +4,30 @@
 #include <cstddef>
 #include <iterator>
 
+#include "reference/bodies/newton_euler.hpp"
 #include "reference/cvode_motion.hpp"
+#include "reference/generalized_rows.hpp"
 #include "reference/long_chain_motion.hpp"
 
 namespace odeval::reference {
 namespace {
 
-template <class Motion>
+template <class Moved>
 class CvodeSimulation final : public Simulation {
  public:
   CvodeSimulation(const Scenario& scenario, const SampleGrid& grid)
       : grid_(grid),
+        coordinates_(scenario.planar->links.size()),
         motion_(scenario,
                 {scenario.rtol.value_or(tight_tolerances.rtol), scenario.atol.value_or(tight_tolerances.atol), true}) {}
 
-  Outcome run(Rows* rows) override {
+  SampleShape shape() const override { return {.coordinates = coordinates_}; }
+
+  Outcome run(Recorder recorder) override {
     const double last = grid_.time(grid_.rows - 1);
-    for (long row = 0; rows && row < grid_.rows; ++row) {
+    for (long row = 0; recorder && row < grid_.rows; ++row) {
       move_to(grid_.time(row));
-      const auto state = motion_.at(grid_.time(row));
-      std::copy(state.begin(), state.end(), rows->append());
+      record(recorder, motion_.at(grid_.time(row)));
     }
     move_to(last);
 
@@ -42,13 +46,15 @@ class CvodeSimulation final : public Simulation {
   }
 
   SampleGrid grid_;
-  Motion motion_;
+  std::size_t coordinates_;
+  Moved motion_;
 };
 
 }  // namespace
 
 std::unique_ptr<Simulation> make_cvode(const Scenario& scenario, const SampleGrid& grid) {
-  if (scenario.links.size() > 2) return std::make_unique<CvodeSimulation<LongChainMotion>>(scenario, grid);
+  if (!scenario.planar) return make_free_cvode(scenario, grid);
+  if (scenario.planar->links.size() > 2) return std::make_unique<CvodeSimulation<LongChainMotion>>(scenario, grid);
   return with_equations(scenario, [&]<std::size_t N>(const ChainEquations<double, N>&) -> std::unique_ptr<Simulation> {
     return std::make_unique<CvodeSimulation<CvodeMotion<N>>>(scenario, grid);
   });

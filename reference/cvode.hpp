@@ -1,8 +1,8 @@
 #pragma once
-// Method lagrange-cvode: the closed-form equations of motion, integrated by SUNDIALS CVODE.
+// Method lagrange-cvode: the closed-form equations of motion, integrated by SUNDIALS CVODE; of free bodies Euler's.
 #include <memory>
 
-#include "odeval/method.hpp"
+#include "odeval/engine.hpp"
 #include "odeval/scenario.hpp"
 #include "reference/cvode_solver.hpp"
 
@@ -12,8 +12,9 @@ namespace odeval::reference {
 /// which CVODE refuses to go (reference_test.cpp, check_errors).
 inline constexpr Tolerances tight_tolerances{3e-15, 3e-16};
 
-/// Rows are (q, qd). With a wall, impacts are located and recorded with depth 0.
-/// Throws UserError when the link starts inside the wall; run() throws MachineError when CVODE gives up.
+/// In joint coordinates, or where there are none of free bodies (bodies/newton_euler.hpp). With a wall, impacts are
+/// located and recorded with depth 0. Throws UserError when the link starts inside the wall; run() throws MachineError
+/// when CVODE gives up.
 std::unique_ptr<Simulation> make_cvode(const Scenario& scenario, const SampleGrid& grid);
 
 }  // namespace odeval::reference

@@ -20,8 +20,8 @@
 #include <string>
 #include <vector>
 
+#include "odeval/engine.hpp"
 #include "odeval/error.hpp"
-#include "odeval/method.hpp"
 #include "odeval/scenario.hpp"
 #include "reference/ball_wall.hpp"
 #include "reference/cvode_solver.hpp"
@@ -50,13 +50,13 @@ class CvodeMotion {
         solver_(
             2 * N, [this](const double* y, double* dydt) { evaluate(y, dydt); }, tolerances, scenario.name,
             scenario.duration_s),
-        begin_state_(start_state<2 * N>(scenario)),
+        begin_state_(start_state<State>(*scenario.planar)),
         end_state_(begin_state_) {
     if constexpr (N == 1) {
-      if (scenario.wall) meet_wall(scenario);
+      if (scenario.planar->wall) meet_wall(scenario);
     }
     if constexpr (N == 2) {
-      if (!scenario.wall) return;
+      if (!scenario.planar->wall) return;
       balls_.emplace(scenario);
       name_ = scenario.name;
       meet_wall_with_balls();
@@ -236,11 +236,11 @@ class CvodeMotion {
   }
 
   void meet_wall(const Scenario& scenario) {
-    restitution_ = scenario.wall->restitution;
+    restitution_ = scenario.planar->wall->restitution;
     const FreeArc arc = free_arc(scenario);
     if (!std::isfinite(arc.low)) return;
     stops_ = {{arc.low, 1.0}, {arc.high, -1.0}};
-    const WallContact wall(scenario);
+    const WallContact wall(*scenario.planar);
     for (const Stop& stop : stops_) stop_uncertainty_ = std::max(stop_uncertainty_, rounding(wall, stop.angle));
     for (const Stop& stop : stops_) {
       if (stop.away * (begin_state_[0] - stop.angle) > contact_rad) continue;

@@ -98,11 +98,11 @@ void DhChain::accelerations(const double* q, const double* qd, double* qdd) {
   solvers_->factors.solveInPlace(result);
 }
 
-std::vector<DhLink> pendulum_links(const Scenario& scenario, DhConvention convention) {
+std::vector<DhLink> pendulum_links(const PlanarView& view, DhConvention convention) {
   const bool standard = convention == DhConvention::standard;
   std::vector<DhLink> links;
   double length_before = 0;
-  for (const Link& body : scenario.links) {
+  for (const Link& body : view.links) {
     DhLink link;
     link.mass_kg = body.mass_kg;
     // Frame i lies at the far end of link i, or at its hinge.
@@ -116,7 +116,7 @@ std::vector<DhLink> pendulum_links(const Scenario& scenario, DhConvention conven
 }
 
 Vec3 pendulum_gravity(const Scenario& scenario) {
-  const PlanarFrame& frame = scenario.problem->frame;
+  const PlanarFrame& frame = scenario.planar->frame;
   const Vec3 fall{0, 0, -scenario.gravity};
   return {dot(frame.horizontal, fall), dot(frame.up, fall), dot(frame.axis(), fall)};
 }

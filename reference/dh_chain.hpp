@@ -14,7 +14,6 @@
 #include <memory>
 #include <vector>
 
-#include "odeval/problem.hpp"
 #include "odeval/scenario.hpp"
 
 namespace odeval::reference {
@@ -56,7 +55,7 @@ class DhChain {
 
 /// A planar pendulum of boxes as such a chain: a = length, alpha = d = 0. Base frame: x along the plane's `horizontal`,
 /// y along its `up`, z along its axis, so that joint angles are the scenario's own.
-std::vector<DhLink> pendulum_links(const Scenario& scenario, DhConvention convention);
+std::vector<DhLink> pendulum_links(const PlanarView& view, DhConvention convention);
 Vec3 pendulum_gravity(const Scenario& scenario);
 
 }  // namespace odeval::reference

@@ -6,7 +6,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "odeval/method.hpp"
+#include "odeval/engine.hpp"
 #include "reference/dh_chain.hpp"
 
 namespace odeval::reference {
@@ -30,7 +30,7 @@ class DhEquations {
   DhChain chain_;
 };
 
-/// Rows are (q1..qn, qd1..qdn). Standard convention, as the report's D.4; no wall.
+/// In joint coordinates. Standard convention, as the report's D.4; no wall.
 std::unique_ptr<Simulation> make_dh_ode45(const Scenario& scenario, const SampleGrid& grid);
 
 }  // namespace odeval::reference

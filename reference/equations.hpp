@@ -28,21 +28,22 @@ class ChainEquations {
   using State = std::array<Real, 2 * N>;
 
   explicit ChainEquations(const Scenario& scenario) {
+    const std::vector<Link>& links = scenario.planar->links;
     const Real gravity = scenario.gravity;
     Real mass_beyond = 0;
     for (std::size_t i = N; i-- > 0;) {
-      const Link& link = scenario.links[i];
+      const Link& link = links[i];
       const Real m = link.mass_kg;
       const Real l = link.length_m;
       const Real w = link.width_m;
-      const bool box = link.shape == Shape::box;
+      const bool box = link.shape == LinkShape::box;
       const Real c = box ? l / 2 : l;
       const Real inertia = box ? m * (l * l + w * w) / 12 : m * w * w / 10;
       coupling_[i][i] = inertia + m * c * c + l * l * mass_beyond;
       first_moment_[i] = m * c + l * mass_beyond;
       weight_moment_[i] = gravity * first_moment_[i];
       for (std::size_t h = 0; h < i; ++h) {
-        coupling_[h][i] = coupling_[i][h] = Real(scenario.links[h].length_m) * first_moment_[i];
+        coupling_[h][i] = coupling_[i][h] = Real(links[h].length_m) * first_moment_[i];
       }
       mass_beyond += m;
     }
@@ -148,14 +149,14 @@ class ChainEquations {
 /// into a type. More links are LongChain's.
 template <class Real = double, class Use>
 auto with_equations(const Scenario& scenario, Use&& use) {
-  if (scenario.links.size() == 1) return use(ChainEquations<Real, 1>(scenario));
+  if (scenario.planar->links.size() == 1) return use(ChainEquations<Real, 1>(scenario));
   return use(ChainEquations<Real, 2>(scenario));
 }
 
 /// The same for any number of links.
 template <class Use>
 auto with_any_equations(const Scenario& scenario, Use&& use) {
-  if (scenario.links.size() > 2) return use(LongChain<double>(scenario));
+  if (scenario.planar->links.size() > 2) return use(LongChain<double>(scenario));
   return with_equations(scenario, std::forward<Use>(use));
 }
 

@@ -55,9 +55,9 @@ struct SymplecticEuler {
 // The loop around every stepper. `advance(y, outcome)` moves y by one step of the grid;
 // false: the motion ends here, at rest or given up.
 template <class State, class Advance>
-Outcome march(State y, const SampleGrid& grid, Rows* rows, Advance&& advance) {
+Outcome march(State y, const SampleGrid& grid, Recorder recorder, Advance&& advance) {
   Outcome outcome;
-  record(rows, y);
+  record(recorder, y);
   bool moving = true;
   for (long row = 1; row < grid.rows; ++row) {
     for (long k = 0; k < grid.stride && moving; ++k) {
@@ -69,7 +69,7 @@ Outcome march(State y, const SampleGrid& grid, Rows* rows, Advance&& advance) {
       }
     }
     if (outcome.diverged) return outcome;
-    record(rows, y);
+    record(recorder, y);
   }
   return outcome;
 }
@@ -80,18 +80,20 @@ class FixedStep final : public Simulation {
   using State = typename Equations::State;
 
   FixedStep(const Scenario& scenario, const SampleGrid& grid, const Equations& equations)
-      : equations_(equations), grid_(grid), start_(start_state_as<State>(scenario)) {
+      : equations_(equations), grid_(grid), start_(start_state<State>(*scenario.planar)) {
     if constexpr (Equations::dof == 1) {
-      if (scenario.wall) wall_.emplace(scenario);
+      if (scenario.planar->wall) wall_.emplace(scenario);
     }
   }
 
-  Outcome run(Rows* rows) override {
+  SampleShape shape() const override { return {.coordinates = start_.size() / 2}; }
+
+  Outcome run(Recorder recorder) override {
     if constexpr (Equations::dof == 1) {
-      if (wall_) return run_with_wall(*wall_, rows);
+      if (wall_) return run_with_wall(*wall_, recorder);
     }
     Step step;
-    Outcome outcome = march(start_, grid_, rows, [&](State& y, Outcome&) {
+    Outcome outcome = march(start_, grid_, recorder, [&](State& y, Outcome&) {
       step(equations_, y, grid_.step_s);
       return true;
     });
@@ -100,7 +102,7 @@ class FixedStep final : public Simulation {
   }
 
  private:
-  Outcome run_with_wall(const WallBounce& wall, Rows* rows) {
+  Outcome run_with_wall(const WallBounce& wall, Recorder recorder) {
     Step step;
     long steps_tried = 0;
     const auto stepped = [&](State y, double h) {
@@ -108,7 +110,7 @@ class FixedStep final : public Simulation {
       ++steps_tried;
       return y;
     };
-    Outcome outcome = march(start_, grid_, rows, [&](State& y, Outcome& so_far) {
+    Outcome outcome = march(start_, grid_, recorder, [&](State& y, Outcome& so_far) {
       if (so_far.steps == 0 && wall.rests(y)) {
         so_far.at_rest_from = 0;
         return false;

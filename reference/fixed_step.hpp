@@ -12,11 +12,11 @@
 // symplectic Euler comes back with no speed at all, and rests early.
 #include <memory>
 
-#include "odeval/method.hpp"
+#include "odeval/engine.hpp"
 
 namespace odeval::reference {
 
-/// Rows are (q1..qn, qd1..qdn). Outcome::steps counts grid steps begun before the link came to rest.
+/// In joint coordinates. Outcome::steps counts grid steps begun before the link came to rest.
 std::unique_ptr<Simulation> make_rk4(const Scenario& scenario, const SampleGrid& grid);
 std::unique_ptr<Simulation> make_euler(const Scenario& scenario, const SampleGrid& grid);
 std::unique_ptr<Simulation> make_symplectic_euler(const Scenario& scenario, const SampleGrid& grid);

@@ -1,12 +1,12 @@
 #pragma once
-// Recorded rows of a run in generalized coordinates, and what ends a run that blew up.
+// The state of a run in joint coordinates, (q1..qn, qd1..qdn): how it starts, is recorded, and blows up.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <sstream>
 
-#include "odeval/method.hpp"
+#include "odeval/engine.hpp"
 
 namespace odeval::reference {
 
@@ -16,27 +16,24 @@ void resize(State& y, std::size_t numbers) {
   if constexpr (requires { y.resize(numbers); }) y.resize(numbers);
 }
 
-/// The state at t = 0. State is (q1..qN, qd1..qdN).
-template <std::size_t Numbers>
-std::array<double, Numbers> start_state(const Scenario& scenario) {
-  std::array<double, Numbers> y;
-  std::copy_n(scenario.q0.begin(), Numbers / 2, y.begin());
-  std::copy_n(scenario.qd0.begin(), Numbers / 2, y.begin() + Numbers / 2);
-  return y;
-}
-
-/// The same as a State of any size, an array or a vector.
+/// The state at t = 0. State is an array of 2n numbers, or a vector.
 template <class State>
-State start_state_as(const Scenario& scenario) {
+State start_state(const PlanarView& view) {
   State y{};
-  resize(y, 2 * scenario.q0.size());
-  std::ranges::copy(scenario.qd0, std::ranges::copy(scenario.q0, y.begin()).out);
+  resize(y, 2 * view.q0.size());
+  std::ranges::copy(view.qd0, std::ranges::copy(view.q0, y.begin()).out);
   return y;
 }
 
+/// Fills the recorder's next sample, if it records.
 template <class State>
-void record(Rows* rows, const State& y) {
-  if (rows != nullptr) std::copy(y.begin(), y.end(), rows->append());
+void record(Recorder recorder, const State& y) {
+  if (!recorder) return;
+  const Sample sample = recorder.next();
+  const auto* const rates = y.data() + sample.q.size();
+  const auto number = [](const auto& value) { return static_cast<double>(value); };
+  std::transform(y.data(), rates, sample.q.begin(), number);
+  std::transform(rates, y.data() + y.size(), sample.qd.begin(), number);
 }
 
 template <class State>

@@ -9,9 +9,9 @@ namespace odeval::reference {
 namespace {
 
 template <class Equations>
-Trace trace_of(const Equations& equations, const SampleGrid& grid, const Rows& rows) {
-  const std::size_t n = rows.width() / 2;
-  const std::size_t count = rows.count();
+Trace trace_of(const Equations& equations, const SampleGrid& grid, const Motion& motion) {
+  const std::size_t n = motion.shape().coordinates;
+  const std::size_t count = motion.size();
   Trace trace;
   trace.t.reserve(count);
   trace.q.assign(n, Column(count));
@@ -24,7 +24,7 @@ Trace trace_of(const Equations& equations, const SampleGrid& grid, const Rows& r
   typename Equations::State y;
   resize(y, 2 * n);
   for (std::size_t k = 0; k < count; ++k) {
-    std::copy_n(rows.row(k), 2 * n, y.begin());
+    std::ranges::copy(motion[k].qd, std::ranges::copy(motion[k].q, y.begin()).out);
     trace.t.push_back(grid.time(static_cast<long>(k)));
     for (std::size_t i = 0; i < n; ++i) {
       trace.q[i][k] = y[i];
@@ -38,8 +38,8 @@ Trace trace_of(const Equations& equations, const SampleGrid& grid, const Rows& r
 
 }  // namespace
 
-Trace generalized_trace(const Scenario& scenario, const SampleGrid& grid, const Rows& rows) {
-  return with_any_equations(scenario, [&](const auto& equations) { return trace_of(equations, grid, rows); });
+Trace generalized_trace(const Scenario& scenario, const SampleGrid& grid, const Motion& motion) {
+  return with_any_equations(scenario, [&](const auto& equations) { return trace_of(equations, grid, motion); });
 }
 
 std::vector<double> joint_accelerations(const Scenario& scenario, const std::vector<double>& q,

@@ -28,13 +28,13 @@ class LongChain {
   using State = std::vector<Real>;
   using InPlane = std::array<Real, 2>;  // along `horizontal` and `up`
 
-  explicit LongChain(const Scenario& scenario) : gravity_(scenario.gravity), links_(scenario.links.size()) {
+  explicit LongChain(const Scenario& scenario) : gravity_(scenario.gravity), links_(scenario.planar->links.size()) {
     for (std::size_t i = 0; i < links_.size(); ++i) {
-      const Link& link = scenario.links[i];
+      const Link& link = scenario.planar->links[i];
       const Real m = link.mass_kg;
       const Real l = link.length_m;
       const Real w = link.width_m;
-      const bool box = link.shape == Shape::box;
+      const bool box = link.shape == LinkShape::box;
       links_[i].mass = m;
       links_[i].length = l;
       links_[i].centre = box ? l / 2 : l;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "odeval/method.hpp"
+#include "odeval/engine.hpp"
 #include "odeval/scenario.hpp"
 #include "reference/cvode_solver.hpp"
 #include "reference/generalized_rows.hpp"
@@ -17,7 +17,7 @@ class LongChainMotion {
 
   LongChainMotion(const Scenario& scenario, Tolerances tolerances)
       : equations_(scenario),
-        state_(start_state_as<State>(scenario)),
+        state_(start_state<State>(*scenario.planar)),
         slope_(state_.size()),
         solver_(
             state_.size(), [this](const double* y, double* dydt) { evaluate(y, dydt); }, tolerances, scenario.name,

@@ -36,9 +36,9 @@ Reference sized_reference(std::size_t n, std::size_t rows) {
 
 Reference solve_long_chain(const Scenario& scenario, const SampleGrid& grid, Tolerances tight_run,
                            Tolerances loose_run) {
-  const std::size_t n = scenario.links.size();
+  const std::size_t n = scenario.planar->links.size();
   const auto rows = static_cast<std::size_t>(grid.rows);
-  const PlanarFrame& frame = scenario.problem->frame;
+  const PlanarFrame& frame = scenario.planar->frame;
   Reference reference = sized_reference(n, rows);
   Trace& trace = reference.trace;
   LongChainMotion tight(scenario, tight_run);

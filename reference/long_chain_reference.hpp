@@ -15,7 +15,7 @@
 
 namespace odeval::reference {
 
-/// `described` is left to the caller. Throws MachineError when CVODE gives up.
+/// `origin` is left to the caller. Throws MachineError when CVODE gives up.
 Reference solve_long_chain(const Scenario& scenario, const SampleGrid& grid, Tolerances tight, Tolerances loose);
 
 }  // namespace odeval::reference

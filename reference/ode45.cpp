@@ -11,8 +11,8 @@ namespace odeval::reference {
 std::unique_ptr<Simulation> make_ode45(const Scenario& scenario, const SampleGrid& grid) {
   return with_any_equations(scenario, [&]<class Equations>(const Equations& equations) -> std::unique_ptr<Simulation> {
     std::optional<WallBounce> wall;
-    if (scenario.wall) wall.emplace(scenario);
-    return std::make_unique<Ode45<Equations>>(equations, grid, start_state_as<typename Equations::State>(scenario),
+    if (scenario.planar->wall) wall.emplace(scenario);
+    return std::make_unique<Ode45<Equations>>(equations, grid, start_state<typename Equations::State>(*scenario.planar),
                                               scenario.rtol.value_or(ode45_rtol), scenario.atol.value_or(ode45_atol),
                                               wall);
   });

@@ -12,14 +12,14 @@
 // ends of the step only. A touch ends the step and the method starts afresh from it, as the report's D.5 does.
 #include <memory>
 
-#include "odeval/method.hpp"
+#include "odeval/engine.hpp"
 
 namespace odeval::reference {
 
 inline constexpr double ode45_rtol = 1e-3;  // MATLAB's defaults, overridden by Scenario::rtol and Scenario::atol
 inline constexpr double ode45_atol = 1e-6;
 
-/// Rows are (q1..qn, qd1..qdn). The last step ends at the grid's last time exactly; Scenario::step_s is not used.
+/// In joint coordinates. The last step ends at the grid's last time exactly; Scenario::step_s is not used.
 std::unique_ptr<Simulation> make_ode45(const Scenario& scenario, const SampleGrid& grid);
 
 }  // namespace odeval::reference

@@ -9,7 +9,7 @@
 #include <sstream>
 #include <utility>
 
-#include "odeval/method.hpp"
+#include "odeval/engine.hpp"
 #include "reference/generalized_rows.hpp"
 #include "reference/wall_bounce.hpp"
 
@@ -32,9 +32,11 @@ class Ode45 final : public Simulation {
         atol_(atol),
         wall_(std::move(wall)) {}
 
-  Outcome run(Rows* rows) override {
+  SampleShape shape() const override { return {.coordinates = start_.size() / 2}; }
+
+  Outcome run(Recorder recorder) override {
     outcome_ = {};
-    rows_ = rows;
+    recorder_ = recorder;
     next_row_ = 0;
     const double end = grid_.time(grid_.rows - 1);
     State y = start_;
@@ -143,14 +145,14 @@ class Ode45 final : public Simulation {
   }
 
   void record_row(const State& y) {
-    record(rows_, y);
+    record(recorder_, y);
     ++next_row_;
   }
 
   // The rows due before `limit`, from the dense output of the step that began at t.
   template <class After>
   void record_before(double limit, double t, const After& after) {
-    if (rows_ == nullptr) return;
+    if (!recorder_) return;
     while (next_row_ < grid_.rows && grid_.time(next_row_) < limit) record_row(after(grid_.time(next_row_) - t));
   }
 
@@ -162,7 +164,7 @@ class Ode45 final : public Simulation {
   std::optional<WallBounce> wall_;
   boost::numeric::odeint::runge_kutta_dopri5<State> dopri5_;
   Outcome outcome_;
-  Rows* rows_ = nullptr;
+  Recorder recorder_;
   long next_row_ = 0;
 };
 

@@ -17,17 +17,18 @@ class ProjectedStep final : public Simulation {
   ProjectedStep(const Scenario& scenario, const SampleGrid& grid)
       : grid_(grid),
         gravity_(scenario.gravity),
-        angle_(static_cast<Index>(scenario.links.size())),
+        angle_(static_cast<Index>(scenario.planar->links.size())),
         rate_(angle_.size()),
         lever_(MatrixXd::Zero(angle_.size(), angle_.size())),
         mass_(angle_.size()),
         inertia_(angle_.size()) {
+    const PlanarView& view = *scenario.planar;
     double angle = 0;
     double rate = 0;
     for (Index i = 0; i < angle_.size(); ++i) {
-      const Link& link = scenario.links[static_cast<std::size_t>(i)];
-      angle_[i] = angle += scenario.q0[static_cast<std::size_t>(i)];
-      rate_[i] = rate += scenario.qd0[static_cast<std::size_t>(i)];
+      const Link& link = view.links[static_cast<std::size_t>(i)];
+      angle_[i] = angle += view.q0[static_cast<std::size_t>(i)];
+      rate_[i] = rate += view.qd0[static_cast<std::size_t>(i)];
       mass_[i] = link.mass_kg;
       inertia_[i] = link.inertia_kgm2();
       lever_(i, i) = link.length_m / 2;
@@ -36,9 +37,11 @@ class ProjectedStep final : public Simulation {
     old_angle_ = angle_;
   }
 
-  Outcome run(Rows* rows) override {
+  SampleShape shape() const override { return {.coordinates = static_cast<std::size_t>(angle_.size())}; }
+
+  Outcome run(Recorder recorder) override {
     Outcome outcome;
-    if (rows != nullptr) record(*rows);
+    record(recorder);
     for (long row = 1; row < grid_.rows; ++row) {
       for (long k = 0; k < grid_.stride; ++k) {
         step(grid_.step_s);
@@ -48,7 +51,7 @@ class ProjectedStep final : public Simulation {
         outcome.reason = "an angle or a rate left the finite numbers";
         return outcome;
       }
-      if (rows != nullptr) record(*rows);
+      record(recorder);
     }
     outcome.evaluations = outcome.steps;
     return outcome;
@@ -74,12 +77,13 @@ class ProjectedStep final : public Simulation {
     angle_ += h * rate_;
   }
 
-  void record(Rows& rows) const {
-    double* const row = rows.append();
-    const Index n = angle_.size();
-    for (Index i = 0; i < n; ++i) {
-      row[i] = angle_[i] - (i > 0 ? angle_[i - 1] : 0);
-      row[n + i] = rate_[i] - (i > 0 ? rate_[i - 1] : 0);
+  void record(Recorder recorder) const {
+    if (!recorder) return;
+    const Sample sample = recorder.next();
+    for (Index i = 0; i < angle_.size(); ++i) {
+      const auto joint = static_cast<std::size_t>(i);
+      sample.q[joint] = angle_[i] - (i > 0 ? angle_[i - 1] : 0);
+      sample.qd[joint] = rate_[i] - (i > 0 ? rate_[i - 1] : 0);
     }
   }
 

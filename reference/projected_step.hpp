@@ -2,7 +2,7 @@
 // ODE's scheme in generalized coordinates: claim C3's control.
 #include <memory>
 
-#include "odeval/method.hpp"
+#include "odeval/engine.hpp"
 
 namespace odeval::reference {
 
@@ -15,7 +15,7 @@ namespace odeval::reference {
 /// weights along the joints. No Coriolis terms: they are in the difference of J and J_old. Semi-implicit Euler in
 /// generalized coordinates (lagrange-symplectic-euler) evaluates them with rates half a step old instead.
 ///
-/// Rows are generalized. Problems without a wall.
+/// In joint coordinates. Chains without a wall.
 std::unique_ptr<Simulation> make_projected_step(const Scenario& scenario, const SampleGrid& grid);
 
 }  // namespace odeval::reference

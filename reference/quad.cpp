@@ -10,6 +10,7 @@
 #include "odeval/error.hpp"
 #include "reference/equations.hpp"
 #include "reference/extrapolation.hpp"
+#include "reference/generalized_rows.hpp"
 
 namespace odeval::reference {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 using QuadRows = std::vector<std::vector<Quad>>;
 
 void refuse_wall(const Scenario& scenario) {
-  if (!scenario.wall) return;
+  if (!scenario.planar->wall) return;
   throw UserError("method lagrange-quad knows no walls, and '" + scenario.name +
                   "' has one; 'analytic' holds its closed form");
 }
@@ -25,16 +26,14 @@ void refuse_wall(const Scenario& scenario) {
 /// The fastest any link can turn, rad/s, if all the energy above the lowest state went into its turning.
 template <std::size_t N>
 double fastest_rate(const Scenario& scenario, const ChainEquations<double, N>& equations) {
-  typename ChainEquations<double, N>::State start{};
-  typename ChainEquations<double, N>::State lowest{};
-  for (std::size_t i = 0; i < N; ++i) {
-    start[i] = scenario.q0[i];
-    start[N + i] = scenario.qd0[i];
-  }
+  using State = typename ChainEquations<double, N>::State;
+  const PlanarView& view = *scenario.planar;
+  const auto start = start_state<State>(view);
+  State lowest{};
   lowest[0] = -std::acos(0.0);
   const double energy = equations.kinetic(start) + equations.potential(start) - equations.potential(lowest);
-  double inertia = scenario.links[0].inertia_kgm2();
-  for (const Link& link : scenario.links) inertia = std::min(inertia, link.inertia_kgm2());
+  double inertia = view.links[0].inertia_kgm2();
+  for (const Link& link : view.links) inertia = std::min(inertia, link.inertia_kgm2());
   return std::sqrt(2 * std::max(energy, 0.0) / inertia);
 }
 
@@ -67,7 +66,9 @@ class QuadSimulation final : public Simulation {
  public:
   QuadSimulation(const Scenario& scenario, const SampleGrid& grid) : scenario_(scenario), grid_(grid) {}
 
-  Outcome run(Rows* rows) override {
+  SampleShape shape() const override { return {.coordinates = scenario_.planar->links.size()}; }
+
+  Outcome run(Recorder recorder) override {
     const QuadRun solved = solve_quad(scenario_, grid_);
     Outcome outcome;
     outcome.steps = solved.steps;
@@ -80,9 +81,7 @@ class QuadSimulation final : public Simulation {
         outcome.reason = "a value left the finite numbers";
         break;
       }
-      if (!rows) continue;
-      std::transform(row.begin(), row.end(), rows->append(),
-                     [](const Quad& value) { return static_cast<double>(value); });
+      record(recorder, row);
     }
     return outcome;
   }
@@ -97,11 +96,7 @@ class QuadSimulation final : public Simulation {
 QuadRows extrapolate_quad(const Scenario& scenario, const SampleGrid& grid, int order, long substeps) {
   return with_equations<Quad>(scenario, [&]<std::size_t N>(const ChainEquations<Quad, N>& equations) {
     Extrapolation<Quad, 2 * N> extrapolation(order);
-    typename ChainEquations<Quad, N>::State y;
-    for (std::size_t i = 0; i < N; ++i) {
-      y[i] = scenario.q0[i];
-      y[N + i] = scenario.qd0[i];
-    }
+    auto y = start_state<typename ChainEquations<Quad, N>::State>(*scenario.planar);
     QuadRows rows{{y.begin(), y.end()}};
     for (long row = 1; row < grid.rows; ++row) {
       // The grid's times are doubles, and the states belong to exactly those.

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "odeval/method.hpp"
+#include "odeval/engine.hpp"
 #include "odeval/scenario.hpp"
 #include "odeval/trace.hpp"
 
@@ -38,7 +38,7 @@ QuadRun solve_quad(const Scenario& scenario, const SampleGrid& grid);
 std::vector<std::vector<Quad>> extrapolate_quad(const Scenario& scenario, const SampleGrid& grid, int order,
                                                 long substeps);
 
-/// Rows are (q, qd), rounded to double; Outcome::self_difference is QuadRun::largest_difference.
+/// In joint coordinates, rounded to double; Outcome::self_difference is QuadRun::largest_difference.
 std::unique_ptr<Simulation> make_quad(const Scenario& scenario, const SampleGrid& grid);
 
 }  // namespace odeval::reference

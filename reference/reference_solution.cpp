@@ -179,6 +179,7 @@ template <std::size_t N>
 std::array<Vec3, N> joint_forces(const Scenario& scenario, const std::array<double, 2 * N>& y,
                                  const std::array<double, 2 * N>& slope) {
   using Equations = ChainEquations<double, N>;
+  const PlanarView& view = *scenario.planar;
   typename Equations::Angles angle, rate, unused, acceleration;
   Equations::absolute(y, angle, rate);
   Equations::absolute(slope, unused, acceleration);
@@ -186,7 +187,7 @@ std::array<Vec3, N> joint_forces(const Scenario& scenario, const std::array<doub
   std::array<std::array<double, 2>, N> inertial;  // mass times acceleration and weight, along horizontal and up
   std::array<double, 2> hinge{0, scenario.gravity};
   for (std::size_t i = 0; i < N; ++i) {
-    const Link& link = scenario.links[i];
+    const Link& link = view.links[i];
     // Of a point at s against the near hinge: s (a'' e_normal - a'^2 e_along).
     const std::array<double, 2> along{std::cos(angle[i]), std::sin(angle[i])};
     const std::array<double, 2> normal{-along[1], along[0]};
@@ -197,7 +198,7 @@ std::array<Vec3, N> joint_forces(const Scenario& scenario, const std::array<doub
     }
   }
 
-  const PlanarFrame& frame = scenario.problem->frame;
+  const PlanarFrame& frame = view.frame;
   std::array<Vec3, N> forces;
   std::array<double, 2> sum{0, 0};
   for (std::size_t i = N; i-- > 0;) {
@@ -207,7 +208,7 @@ std::array<Vec3, N> joint_forces(const Scenario& scenario, const std::array<doub
   return forces;
 }
 
-std::string describe(Tolerances tight, Tolerances loose) {
+std::string origin_of(Tolerances tight, Tolerances loose) {
   std::ostringstream text;
   text << "CVODE " << CvodeSolver::version() << " Adams, rtol " << tight.rtol << ", atol " << tight.atol
        << "; uncertainty from a second run at rtol " << loose.rtol;
@@ -264,7 +265,7 @@ Reference solve(const Scenario& scenario, const SampleGrid& grid, Tolerances tig
     }
   }
   if (tight.at_rest_from() <= last) reference.at_rest_from = tight.at_rest_from();
-  reference.described = describe(tight_run, loose_run);
+  reference.origin = origin_of(tight_run, loose_run);
   return reference;
 }
 
@@ -275,9 +276,9 @@ Reference solve_reference(const Scenario& scenario, const SampleGrid& grid) {
 }
 
 Reference solve_reference(const Scenario& scenario, const SampleGrid& grid, Tolerances tight, Tolerances loose) {
-  if (scenario.links.size() > 2) {
+  if (scenario.planar->links.size() > 2) {
     Reference reference = solve_long_chain(scenario, grid, tight, loose);
-    reference.described = describe(tight, loose);
+    reference.origin = origin_of(tight, loose);
     return reference;
   }
   return with_equations(scenario, [&]<std::size_t N>(const ChainEquations<double, N>&) {

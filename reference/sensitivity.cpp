@@ -38,7 +38,7 @@ Sensitivity solve(const Scenario& scenario, const SampleGrid& grid, const Equati
     std::copy_n(y, size, state.begin());
     for (const auto& row : motion.jacobian(state)) jacobian = std::copy_n(row.begin(), size, jacobian);
   });
-  auto y = start_state<size>(scenario);
+  auto y = start_state<typename Equations::State>(*scenario.planar);
   solver.start(0, y.data());
 
   Sensitivity result;
@@ -64,7 +64,7 @@ Sensitivity solve(const Scenario& scenario, const SampleGrid& grid, const Equati
 }  // namespace
 
 Sensitivity solve_sensitivity(const Scenario& scenario, const SampleGrid& grid, Tolerances tolerances) {
-  if (scenario.wall) {
+  if (scenario.planar->wall) {
     throw UserError("scenario '" + scenario.name + "': sensitivities are for motions without a wall");
   }
   return with_equations(scenario, [&](const auto& equations) { return solve(scenario, grid, equations, tolerances); });

@@ -22,7 +22,7 @@ struct Sensitivity {
 /// Tighter, CVODES refuses for the sensitivities, which are as large as the growth.
 inline constexpr Tolerances sensitivity_tolerances{1e-13, 1e-14};
 
-/// At the grid's times. Throws UserError for a problem with a wall, MachineError when CVODES gives up.
+/// At the grid's times. Throws UserError for a scenario with a wall, MachineError when CVODES gives up.
 Sensitivity solve_sensitivity(const Scenario& scenario, const SampleGrid& grid,
                               Tolerances tolerances = sensitivity_tolerances);
 

@@ -22,8 +22,8 @@
 #include <optional>
 #include <sstream>
 
+#include "odeval/engine.hpp"
 #include "odeval/error.hpp"
-#include "odeval/method.hpp"
 #include "reference/equations.hpp"
 #include "reference/wall_contact.hpp"
 
@@ -40,10 +40,11 @@ struct FreeArc {
 inline FreeArc free_arc(const Scenario& scenario) {
   using std::numbers::pi;
   constexpr double start_slack = 1e-9;
-  const Link& link = scenario.links.at(0);
-  const double q0 = scenario.q0.at(0);
-  const double hinge = scenario.problem->frame.hinge_m[0];
-  const double face = scenario.wall.value().face_m;
+  const PlanarView& view = *scenario.planar;
+  const Link& link = view.links.at(0);
+  const double q0 = view.q0.at(0);
+  const double hinge = view.frame.hinge_m[0];
+  const double face = view.wall.value().face_m;
   const double rounding = 4 * std::numeric_limits<double>::epsilon() * (std::fabs(hinge) + std::fabs(face));
   FreeArc arc;
   for (const double along : {0.0, link.length_m}) {
@@ -91,9 +92,9 @@ class WallBounce {
   using State = std::array<double, 2>;
 
   explicit WallBounce(const Scenario& scenario) : equations_(scenario) {
-    if (!scenario.wall) return;
+    if (!scenario.planar->wall) return;
     arc_ = free_arc(scenario);
-    restitution_ = scenario.wall->restitution;
+    restitution_ = scenario.planar->wall->restitution;
   }
 
   const FreeArc& arc() const { return arc_; }

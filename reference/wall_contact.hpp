@@ -11,7 +11,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "odeval/scenario.hpp"
+#include "odeval/planar_view.hpp"
 
 namespace odeval::reference {
 
@@ -19,10 +19,10 @@ class WallContact {
  public:
   static constexpr std::size_t corners = 4;
 
-  explicit WallContact(const Scenario& scenario)
-      : length_(scenario.links.at(0).length_m),
-        half_width_(scenario.links.at(0).width_m / 2),
-        offset_(scenario.problem->frame.hinge_m[0] - scenario.wall.value().face_m) {}
+  explicit WallContact(const PlanarView& view)
+      : length_(view.links.at(0).length_m),
+        half_width_(view.links.at(0).width_m / 2),
+        offset_(view.frame.hinge_m[0] - view.wall.value().face_m) {}
 
   /// Signed distance of a corner from the wall's face, m; negative inside the wall.
   template <class Real>

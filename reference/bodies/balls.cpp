@@ -92,15 +92,18 @@ class Bounces {
 class BouncingBalls final : public BodyMotion {
  public:
   explicit BouncingBalls(const Scenario& scenario)
-      : bodies_(scenario.bodies), normal_(scenario.ground->normal()), gravity_{0, 0, -scenario.gravity} {
+      : bodies_(scenario.mechanism.bodies),
+        plane_(std::get<HalfSpace>(scenario.mechanism.obstacles.at(0).shape)),
+        gravity_{0, 0, -scenario.gravity} {
+    const double restitution = scenario.mechanism.contacts.at(0).restitution;
     for (std::size_t i = 0; i < bodies_.size(); ++i) check(scenario, i);
     for (const Body& body : bodies_) {
-      bounces_.emplace_back(std::fmax(0, height_of(body)), dot(normal_, body.velocity_m_s), -dot(normal_, gravity_),
-                            scenario.ground->restitution);
+      bounces_.emplace_back(std::fmax(0, height_of(body)), dot(plane_.normal, body.velocity_m_s),
+                            -dot(plane_.normal, gravity_), restitution);
     }
   }
 
-  void at(double t, std::span<BodyState> states) const override {
+  void at(double t, std::span<BodyState> states, std::span<JointState>) const override {
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       const Body& body = bodies_[i];
       BodyState& state = states[i] = BodyState{};
@@ -109,12 +112,12 @@ class BouncingBalls final : public BodyMotion {
       const Vec3 rate = aside(body.velocity_m_s);
       const Vec3 pull = aside(gravity_);
       for (std::size_t k = 0; k < 3; ++k) {
-        state.position[k] = from[k] + t * (rate[k] + pull[k] * t / 2) + (radius(body) + away.height) * normal_[k];
-        state.velocity[k] = rate[k] + pull[k] * t + away.rate * normal_[k];
-        state.spin[k] = body.spin_rad_s[k];
+        state.position[k] = from[k] + t * (rate[k] + pull[k] * t / 2) +
+                            (plane_.offset_m + radius(body) + away.height) * plane_.normal[k];
+        state.velocity[k] = rate[k] + pull[k] * t + away.rate * plane_.normal[k];
       }
-      const auto [x, y, z] = body.spin_rad_s;
-      put(product(rotation_of({x * t, y * t, z * t}), rotation_of(body.turn_rad)), state.rotation);
+      state.spin = body.spin_rad_s;
+      state.rotation = product(rotation_of(t * body.spin_rad_s), rotation_of(rotation_vector(body.attitude)));
     }
   }
 
@@ -124,7 +127,6 @@ class BouncingBalls final : public BodyMotion {
     BodyUncertainty uncertainty;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       const Body& body = bodies_[i];
-      const auto length = [](const Vec3& v) { return std::sqrt(dot(v, v)); };
       const double way = length(body.position_m) + t * (length(body.velocity_m_s) + length(gravity_) * t / 2) +
                          t * bounces_[i].first_speed();
       uncertainty.position_m = std::fmax(uncertainty.position_m, 16 * epsilon * way);
@@ -148,31 +150,33 @@ class BouncingBalls final : public BodyMotion {
   }
 
   double at_rest_from() const override {
-    const bool stays = dot(normal_, gravity_) == -std::sqrt(dot(gravity_, gravity_));  // nothing pulls it along
+    const bool stays = dot(plane_.normal, gravity_) == -length(gravity_);  // nothing pulls it along
     const Body& body = bodies_.front();
-    const Vec3 aside = cross(normal_, body.velocity_m_s);
+    const Vec3 aside = cross(plane_.normal, body.velocity_m_s);
     const double last = bounces_.front().last();
     return stays && dot(aside, aside) == 0 && std::isfinite(last) ? last : -1;
   }
 
-  std::string described() const override { return "closed form: parabolas between impacts by Newton's law"; }
+  std::string origin() const override { return "closed form: parabolas between impacts by Newton's law"; }
 
  private:
-  static double radius(const Body& body) { return body.size_m[0] / 2; }
+  static double radius(const Body& body) { return sides_m(body.shape)[0] / 2; }
   /// The part along the plane.
   Vec3 aside(const Vec3& v) const {
-    const double away = dot(normal_, v);
-    return {v[0] - away * normal_[0], v[1] - away * normal_[1], v[2] - away * normal_[2]};
+    const double away = dot(plane_.normal, v);
+    return v - away * plane_.normal;
   }
-  double height_of(const Body& body) const { return dot(normal_, body.position_m) - radius(body); }
+  double height_of(const Body& body) const {
+    return dot(plane_.normal, body.position_m) - plane_.offset_m - radius(body);
+  }
 
   void check(const Scenario& scenario, std::size_t i) const {
     const Body& body = bodies_[i];
     const auto fail = [&](const char* key, const std::string& rule) {
       throw UserError(fmt::format("{}: bodies.{}.{} {}", scenario.file, i, key, rule));
     };
-    if (body.shape != Shape::sphere) fail("shape", fmt::format("must be sphere for {}", scenario.problem->name));
-    if (height_of(body) < -4 * epsilon * (radius(body) + std::sqrt(dot(body.position_m, body.position_m)))) {
+    if (!is_sphere(body.shape)) fail("shape", "must be sphere, or the motion has no closed form");
+    if (height_of(body) < -4 * epsilon * (radius(body) + length(body.position_m))) {
       fail("position",
            fmt::format("must be at least {:.10g} m above the ground, or the ball starts inside it", radius(body)));
     }
@@ -185,17 +189,15 @@ class BouncingBalls final : public BodyMotion {
 
   // Seen along the normal, two balls move past each other on a straight line, whatever they bounce.
   bool may_meet(const Body& a, const Body& b, double duration_s) const {
-    const auto difference = [](const Vec3& u, const Vec3& v) { return Vec3{u[0] - v[0], u[1] - v[1], u[2] - v[2]}; };
-    const Vec3 between = aside(difference(a.position_m, b.position_m));
-    const Vec3 rate = aside(difference(a.velocity_m_s, b.velocity_m_s));
+    const Vec3 between = aside(a.position_m - b.position_m);
+    const Vec3 rate = aside(a.velocity_m_s - b.velocity_m_s);
     const double speed = dot(rate, rate);
     const double nearest = speed == 0 ? 0 : std::clamp(-dot(between, rate) / speed, 0.0, duration_s);
-    const Vec3 then{between[0] + nearest * rate[0], between[1] + nearest * rate[1], between[2] + nearest * rate[2]};
-    return std::sqrt(dot(then, then)) <= radius(a) + radius(b);
+    return length(between + nearest * rate) <= radius(a) + radius(b);
   }
 
   std::vector<Body> bodies_;
-  Vec3 normal_;
+  HalfSpace plane_;
   Vec3 gravity_;
   std::vector<Bounces> bounces_;
 };

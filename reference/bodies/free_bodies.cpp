@@ -11,14 +11,10 @@ namespace {
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 constexpr double rounding = 4 * epsilon;
 
-double length(const Vec3& v) { return std::sqrt(dot(v, v)); }
-
 /// Angle between two attitudes that are close: |R - R'|_F = sqrt(8) sin(angle / 2).
 double angle_between(const Rotation& a, const Rotation& b) {
   double sum = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 3; ++j) sum += (a[i][j] - b[i][j]) * (a[i][j] - b[i][j]);
-  }
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
   return 2 * std::asin(std::fmin(std::sqrt(sum / 8), 1.0));
 }
 
@@ -26,17 +22,18 @@ double angle_between(const Rotation& a, const Rotation& b) {
 /// motion itself makes of the rounding of what it starts from.
 class Rotating {
  public:
-  explicit Rotating(const Body& body) : motion_(body.inertia_kgm2(), attitude(body), body.spin_rad_s) {
+  explicit Rotating(const Body& body) : motion_(body.uniform_moments_kgm2(), attitude(body), body.spin_rad_s) {
     if (motion_.steady()) return;
+    const Vec3 own_moments = body.uniform_moments_kgm2();
     for (std::size_t i = 0; i < 3; ++i) {
-      Vec3 moments = body.inertia_kgm2();
+      Vec3 moments = own_moments;
       for (double& moment : moments) {  // those that are equal are so by symmetry, and stay equal
-        if (moment == body.inertia_kgm2()[i]) moment *= 1 + nudge;
+        if (moment == own_moments[i]) moment *= 1 + nudge;
       }
       beside_.emplace_back(moments, attitude(body), body.spin_rad_s);
       Vec3 own = turned_back(attitude(body), body.spin_rad_s);
       own[i] += nudge * length(own);
-      beside_.emplace_back(body.inertia_kgm2(), attitude(body), turned(attitude(body), own));
+      beside_.emplace_back(own_moments, attitude(body), turned(attitude(body), own));
     }
   }
 
@@ -52,16 +49,14 @@ class Rotating {
     Uncertainty uncertainty{rounding * (1 + t * spin), rounding * spin};
     for (const FreeBody& other : beside_) {
       const FreeBody::Turning there = other.at(t);
-      const Vec3 between{there.spin_rad_s[0] - here.spin_rad_s[0], there.spin_rad_s[1] - here.spin_rad_s[1],
-                         there.spin_rad_s[2] - here.spin_rad_s[2]};
       uncertainty.turn_rad += rounding / nudge * angle_between(here.attitude, there.attitude);
-      uncertainty.spin_rad_s += rounding / nudge * length(between);
+      uncertainty.spin_rad_s += rounding / nudge * distance(there.spin_rad_s, here.spin_rad_s);
     }
     return uncertainty;
   }
 
  private:
-  static Rotation attitude(const Body& body) { return rotation_of(body.turn_rad); }
+  static Rotation attitude(const Body& body) { return rotation_of(rotation_vector(body.attitude)); }
   static constexpr double nudge = 256 * epsilon;  // so that the rounding of the two motions does not show
 
   FreeBody motion_;
@@ -70,11 +65,11 @@ class Rotating {
 
 class FreeBodies final : public BodyMotion {
  public:
-  explicit FreeBodies(const Scenario& scenario) : bodies_(scenario.bodies), gravity_(scenario.gravity) {
+  explicit FreeBodies(const Scenario& scenario) : bodies_(scenario.mechanism.bodies), gravity_(scenario.gravity) {
     for (const Body& body : bodies_) rotating_.emplace_back(body);
   }
 
-  void at(double t, std::span<BodyState> states) const override {
+  void at(double t, std::span<BodyState> states, std::span<JointState>) const override {
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       const Body& body = bodies_[i];
       const FreeBody::Turning turning = rotating_[i].at(t);
@@ -83,9 +78,9 @@ class FreeBodies final : public BodyMotion {
         const double fall = k == 2 ? gravity_ : 0;
         state.position[k] = body.position_m[k] + t * (body.velocity_m_s[k] - fall * t / 2);
         state.velocity[k] = body.velocity_m_s[k] - fall * t;
-        state.spin[k] = turning.spin_rad_s[k];
       }
-      put(turning.attitude, state.rotation);
+      state.spin = turning.spin_rad_s;
+      state.rotation = turning.attitude;
     }
   }
 
@@ -104,7 +99,7 @@ class FreeBodies final : public BodyMotion {
     return uncertainty;
   }
 
-  std::string described() const override {
+  std::string origin() const override {
     return "closed form: a parabola, and Euler's equations in Jacobi elliptic functions; uncertainty from rounding of "
            "the start and the moments, as the motion makes it grow";
   }

@@ -15,12 +15,6 @@ namespace {
 using boost::math::ellint_rf;
 using boost::math::ellint_rj;
 
-Rotation transposed(const Rotation& r) {
-  return {Vec3{r[0][0], r[1][0], r[2][0]}, Vec3{r[0][1], r[1][1], r[2][1]}, Vec3{r[0][2], r[1][2], r[2][2]}};
-}
-
-double length(const Vec3& v) { return std::sqrt(dot(v, v)); }
-
 // Integral of n sn^2 / (cn^2 + n sn^2) from 0 to u, |u| <= K.
 double third_kind(const Jacobi& f, double n) {
   const double sine = f.sn * f.sn;
@@ -45,11 +39,11 @@ FreeBody::FreeBody(const Vec3& moments_kgm2, const Rotation& attitude, const Vec
   if (above < 0) std::swap(axis[0], axis[2]);
 
   for (std::size_t i = 0; i < 3; ++i) {
-    sorted_[i] = {};
-    sorted_[i][axis[i]] = 1;
+    sorted_[3 * i + axis[i]] = 1;
     moments_[i] = moments_kgm2[axis[i]];
   }
-  if (dot(cross(sorted_[0], sorted_[1]), sorted_[2]) < 0) sorted_[0][axis[0]] = -1;
+  const auto row = [&](std::size_t i) { return Vec3{sorted_[3 * i], sorted_[3 * i + 1], sorted_[3 * i + 2]}; };
+  if (dot(cross(row(0), row(1)), row(2)) < 0) sorted_[axis[0]] = -1;
   const Vec3 w = turned(sorted_, own);
   const auto [i1, i2, i3] = moments_;
   steady_ = (i3 - i2) * w[1] * w[2] == 0 && (i1 - i3) * w[2] * w[0] == 0 && (i2 - i1) * w[0] * w[1] == 0;
@@ -113,13 +107,13 @@ Rotation FreeBody::euler_angles(const Vec3& spin) const {
   for (double& part : z) part /= size;
   const double across = std::hypot(z[0], z[1]);
   const Vec3 x{z[1] / across, -z[0] / across, 0};
-  return {x, cross(z, x), z};
+  const Vec3 y = cross(z, x);
+  return {x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2]};
 }
 
 FreeBody::Turning FreeBody::at(double t_s) const {
   if (steady_) {
-    const Vec3 turn{start_spin_[0] * t_s, start_spin_[1] * t_s, start_spin_[2] * t_s};
-    return {product(rotation_of(turn), start_), start_spin_};
+    return {product(rotation_of(t_s * start_spin_), start_), start_spin_};
   }
   const auto [i1, i2, i3] = moments_;
   const double u = phase_ + rate_ * t_s;

@@ -19,7 +19,7 @@
 // functions lose their digits where k comes close to 1.
 #include <array>
 
-#include "odeval/problem.hpp"
+#include "odeval/geometry.hpp"
 #include "reference/bodies/rotation.hpp"
 
 namespace odeval::reference {
@@ -48,7 +48,7 @@ class FreeBody {
   Rotation start_;       // body to world
   Vec3 start_spin_;      // world
 
-  Rotation sorted_;      // body axes to the axes 1, 2, 3
+  Rotation sorted_{};    // body axes to the axes 1, 2, 3
   Vec3 moments_;         // I1, I2, I3
   Vec3 amplitudes_{};    // A1, A2, A3
   double momentum_ = 0;  // L

@@ -50,11 +50,11 @@ Vector3f stepped(const Vector3f& spin, const Matrix3f& rotation, const Vector3f&
 }  // namespace
 
 double long_axis_spin_in_single(const Body& body, double step_s, long steps, GyroscopicForm form) {
-  const Vector3d turn = vector_of(body.turn_rad);
+  const Vector3d turn = vector_of(rotation_vector(body.attitude));
   const double angle = turn.norm();
   Quaternionf attitude = Quaternionf::Identity();
   if (angle != 0) attitude = Eigen::Quaterniond(Eigen::AngleAxisd(angle, turn / angle)).cast<float>();
-  const Vector3f moments = vector_of(body.inertia_kgm2()).cast<float>();
+  const Vector3f moments = vector_of(body.uniform_moments_kgm2()).cast<float>();
   const auto axis = static_cast<Eigen::Index>(body.long_axis());
   const auto h = static_cast<float>(step_s);
   Vector3f spin = vector_of(body.spin_rad_s).cast<float>();

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "odeval/method.hpp"
+#include "odeval/engine.hpp"
 #include "odeval/scenario.hpp"
 
 namespace odeval::reference {
@@ -22,8 +22,8 @@ class BodyMotion {
  public:
   virtual ~BodyMotion() = default;
 
-  /// States of all bodies, in the scenario's order, at t seconds. At an impact: after it.
-  virtual void at(double t, std::span<BodyState> bodies) const = 0;
+  /// States of all bodies and joints, in the mechanism's order, at t seconds. At an impact: after it.
+  virtual void at(double t, std::span<BodyState> bodies, std::span<JointState> joints) const = 0;
 
   /// Bound on the error of `at`.
   virtual BodyUncertainty uncertainty(double t) const = 0;
@@ -34,9 +34,12 @@ class BodyMotion {
   /// From when on the first body rests on the ground, s; < 0: never.
   virtual double at_rest_from() const { return -1; }
 
-  /// In a few words, for tables and summaries.
-  virtual std::string described() const = 0;
+  /// Where it comes from, in a few words for tables and summaries.
+  virtual std::string origin() const = 0;
 };
+
+/// Whether there is a closed form for bodies, joints and contacts like the scenario's.
+bool has_body_motion(const Scenario& scenario);
 
 /// Throws UserError when the scenario asks for what has no closed form.
 std::unique_ptr<BodyMotion> make_body_motion(const Scenario& scenario);

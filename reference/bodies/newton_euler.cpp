@@ -1,6 +1,5 @@
 #include "reference/bodies/newton_euler.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -22,13 +21,14 @@ constexpr std::size_t state_numbers = sizeof(FreeState) / sizeof(double);
 static_assert(sizeof(FreeState) == 13 * sizeof(double));
 
 FreeState start_of(const Body& body) {
-  const double angle = std::sqrt(dot(body.turn_rad, body.turn_rad));
+  const Vec3 turn = rotation_vector(body.attitude);
+  const double angle = length(turn);
   const double part = angle == 0 ? 0.5 : std::sin(angle / 2) / angle;
-  const auto [x, y, z] = body.turn_rad;
+  const auto [x, y, z] = turn;
   return {body.position_m,
           body.velocity_m_s,
           {std::cos(angle / 2), part * x, part * y, part * z},
-          turned_back(rotation_of(body.turn_rad), body.spin_rad_s)};
+          turned_back(rotation_of(turn), body.spin_rad_s)};
 }
 
 // x' = v,  v' = -g,  q' = q (0, w) / 2,  I w' = I w x w
@@ -47,26 +47,21 @@ FreeState slope_of(const FreeState& y, const Vec3& moments, double gravity) {
 Rotation rotation_of(const std::array<double, 4>& quaternion) {
   const auto [a, b, c, d] = quaternion;
   const double twice = 2 / (a * a + b * b + c * c + d * d);
-  return {Vec3{1 - twice * (c * c + d * d), twice * (b * c - a * d), twice * (b * d + a * c)},
-          Vec3{twice * (b * c + a * d), 1 - twice * (b * b + d * d), twice * (c * d - a * b)},
-          Vec3{twice * (b * d - a * c), twice * (c * d + a * b), 1 - twice * (b * b + c * c)}};
+  return {1 - twice * (c * c + d * d), twice * (b * c - a * d),     twice * (b * d + a * c),
+          twice * (b * c + a * d),     1 - twice * (b * b + d * d), twice * (c * d - a * b),
+          twice * (b * d - a * c),     twice * (c * d + a * b),     1 - twice * (b * b + c * c)};
 }
 
 BodyState shown(const FreeState& y) {
-  BodyState state{};
-  std::ranges::copy(y.position, state.position);
-  std::ranges::copy(y.velocity, state.velocity);
   const Rotation attitude = rotation_of(y.attitude);
-  put(attitude, state.rotation);
-  std::ranges::copy(turned(attitude, y.spin), state.spin);
-  return state;
+  return {.position = y.position, .rotation = attitude, .velocity = y.velocity, .spin = turned(attitude, y.spin)};
 }
 
 class FreeCvode final : public Simulation {
  public:
   FreeCvode(const Scenario& scenario, const SampleGrid& grid)
       : grid_(grid),
-        count_(scenario.bodies.size()),
+        count_(scenario.mechanism.bodies.size()),
         state_(count_ * state_numbers),
         solver_(
             count_ * state_numbers,
@@ -82,20 +77,22 @@ class FreeCvode final : public Simulation {
             scenario.name, scenario.duration_s),
         gravity_(scenario.gravity) {
     for (std::size_t i = 0; i < count_; ++i) {
-      moments_.push_back(scenario.bodies[i].inertia_kgm2());
-      const FreeState start = start_of(scenario.bodies[i]);
+      moments_.push_back(scenario.mechanism.bodies[i].uniform_moments_kgm2());
+      const FreeState start = start_of(scenario.mechanism.bodies[i]);
       std::memcpy(state_.data() + i * state_numbers, &start, sizeof start);
     }
     solver_.start(0, state_.data());
   }
 
-  Outcome run(Rows* rows) override {
-    if (rows != nullptr) record(*rows);
+  SampleShape shape() const override { return {.bodies = count_}; }
+
+  Outcome run(Recorder recorder) override {
+    record(recorder);
     for (long row = 1; row < grid_.rows; ++row) {
       while (solver_.end() < grid_.time(row)) solver_.step();
-      if (rows == nullptr) continue;
+      if (!recorder) continue;
       solver_.interpolate(grid_.time(row), state_.data());
-      record(*rows);
+      record(recorder);
     }
     Outcome outcome;
     outcome.steps = solver_.steps();
@@ -104,15 +101,14 @@ class FreeCvode final : public Simulation {
   }
 
  private:
-  void record(Rows& rows) const {
-    double* const row = rows.append();
+  void record(Recorder recorder) const {
+    if (!recorder) return;
+    const Sample sample = recorder.next();
     for (std::size_t i = 0; i < count_; ++i) {
       FreeState body;
       std::memcpy(&body, state_.data() + i * state_numbers, sizeof body);
-      const BodyState state = shown(body);
-      std::memcpy(row + i * body_numbers, &state, sizeof state);
+      sample.bodies[i] = shown(body);
     }
-    row[count_ * body_numbers] = 0;
   }
 
   SampleGrid grid_;

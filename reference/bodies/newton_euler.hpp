@@ -2,11 +2,11 @@
 // Free bodies by the equations of Newton and Euler and CVODE: the second opinion on the closed form.
 #include <memory>
 
-#include "odeval/method.hpp"
+#include "odeval/engine.hpp"
 
 namespace odeval::reference {
 
-/// Rows of bodies. State of each: centre, its velocity, attitude as a quaternion, spin in the body's frame.
+/// Samples of bodies. State of each: centre, its velocity, attitude as a quaternion, spin in the body's frame.
 std::unique_ptr<Simulation> make_free_cvode(const Scenario& scenario, const SampleGrid& grid);
 
 }  // namespace odeval::reference

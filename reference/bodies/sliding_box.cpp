@@ -132,43 +132,47 @@ class Coulomb {
 
 class SlidingBox final : public BodyMotion {
  public:
-  explicit SlidingBox(const Scenario& scenario) : body_(scenario.bodies.front()), ground_(*scenario.ground) {
-    const double pull = scenario.gravity * std::sin(ground_.slope_rad);
-    downhill_ = ground_.downhill();
+  explicit SlidingBox(const Scenario& scenario)
+      : body_(scenario.mechanism.bodies.front()),
+        plane_(std::get<HalfSpace>(scenario.mechanism.obstacles.at(0).shape)),
+        friction_(scenario.mechanism.contacts.at(0).friction.value()) {
+    const Vec3& normal = plane_.normal;
+    const double pull = scenario.gravity * normal[0];
+    downhill_ = {normal[2], 0, -normal[0]};
     if (pull < 0) {
       for (double& x : downhill_) x = -x;
     }
-    across_ = cross(ground_.normal(), downhill_);
-    const double press = scenario.gravity * std::cos(ground_.slope_rad);
-    const bool constant = ground_.friction_model == FrictionModel::constant;
-    const double hold = constant ? ground_.friction / body_.mass_kg : ground_.friction * press;
+    across_ = cross(normal, downhill_);
+    const double press = scenario.gravity * normal[2];
+    const bool constant = friction_.model == FrictionModel::constant;
+    const double hold = constant ? friction_.limit / body_.mass_kg : friction_.limit * press;
     check(scenario, std::fabs(pull), hold, press);
     const double along = dot(downhill_, body_.velocity_m_s);
     motion_ = Coulomb(along, dot(across_, body_.velocity_m_s), std::fabs(pull), hold);
-    speed_ = std::sqrt(dot(body_.velocity_m_s, body_.velocity_m_s));
+    speed_ = length(body_.velocity_m_s);
     pull_ = std::fabs(pull);
   }
 
-  void at(double t, std::span<BodyState> states) const override {
+  void at(double t, std::span<BodyState> states, std::span<JointState>) const override {
     const Slide slide = motion_.at(t);
     BodyState& state = states[0] = BodyState{};
     for (std::size_t k = 0; k < 3; ++k) {
       state.position[k] = body_.position_m[k] + slide.downhill * downhill_[k] + slide.across * across_[k];
       state.velocity[k] = slide.downhill_rate * downhill_[k] + slide.across_rate * across_[k];
     }
-    put(rotation_of(body_.turn_rad), state.rotation);
+    state.rotation = rotation_of(rotation_vector(body_.attitude));
   }
 
   // Terms of one sign, each good to some roundings, of which none is larger than what the box could cover without
   // friction; the slope alone is taken from a sine.
   BodyUncertainty uncertainty(double t) const override {
-    const double way = std::sqrt(dot(body_.position_m, body_.position_m)) + t * (speed_ + pull_ * t);
+    const double way = length(body_.position_m) + t * (speed_ + pull_ * t);
     return {64 * epsilon * way, 4 * epsilon};
   }
 
   double at_rest_from() const override { return std::isfinite(motion_.rests()) ? motion_.rests() : -1; }
 
-  std::string described() const override { return "closed form: Coulomb friction in the plane"; }
+  std::string origin() const override { return "closed form: Coulomb friction in the plane"; }
 
  private:
   [[noreturn]] static void fail(const Scenario& scenario, const std::string& what) {
@@ -176,29 +180,29 @@ class SlidingBox final : public BodyMotion {
   }
 
   void check(const Scenario& scenario, double pull, double hold, double press) const {
-    if (scenario.bodies.size() != 1 || body_.shape != Shape::box) {
-      fail(scenario, fmt::format("bodies must be 1 table [[bodies]] with shape = box for {}", scenario.problem->name));
+    if (scenario.mechanism.bodies.size() != 1 || !std::holds_alternative<Box>(body_.shape)) {
+      fail(scenario, "bodies must be 1 table [[bodies]] with shape = box, or the motion has no closed form");
     }
     constexpr double flat = 1e-6;  // m and rad: of numbers that were typed with some digits
-    const Vec3 normal = ground_.normal();
-    const Rotation turn = rotation_of(body_.turn_rad);
+    const Vec3& normal = plane_.normal;
+    const Rotation turn = rotation_of(rotation_vector(body_.attitude));
     const Vec3 up = turned_back(turn, normal);
     std::size_t axis = 0;
     for (std::size_t k = 1; k < 3; ++k) {
       if (std::fabs(up[k]) > std::fabs(up[axis])) axis = k;
     }
     const Vec3 spin = body_.spin_rad_s;
-    const double half = body_.size_m[axis] / 2;
+    const Vec3 sides = sides_m(body_.shape);
+    const double half = sides[axis] / 2;
     if (1 - std::fabs(up[axis]) > flat * flat / 2 + 4 * epsilon) {
       fail(scenario, "bodies.0.turn must lay the box flat on the ground: a turn about the ground's normal alone");
     }
-    if (std::fabs(dot(normal, body_.position_m) - half) > flat) {
+    if (std::fabs(dot(normal, body_.position_m) - plane_.offset_m - half) > flat) {
       fail(scenario, fmt::format("bodies.0.position must have the centre {:.10g} m above the ground: the box lies on "
                                  "it",
                                  half));
     }
-    if (std::fabs(dot(normal, body_.velocity_m_s)) >
-        4 * epsilon * std::sqrt(dot(body_.velocity_m_s, body_.velocity_m_s)))
+    if (std::fabs(dot(normal, body_.velocity_m_s)) > 4 * epsilon * length(body_.velocity_m_s))
       fail(scenario, "bodies.0.velocity must lie in the ground");
     if (dot(spin, spin) != 0) fail(scenario, "bodies.0.spin must be 0: the box slides without turning");
 
@@ -206,19 +210,20 @@ class SlidingBox final : public BodyMotion {
     // the middle of the box, whichever way; within the shorter half side it can not tip.
     double side = infinity;
     for (std::size_t k = 0; k < 3; ++k) {
-      if (k != axis) side = std::fmin(side, body_.size_m[k] / 2);
+      if (k != axis) side = std::fmin(side, sides[k] / 2);
     }
     const bool held = dot(body_.velocity_m_s, body_.velocity_m_s) == 0 && hold >= pull;
     const double friction = held ? pull : hold;
     if (friction * half > press * side) {
       fail(scenario, fmt::format("ground.friction could tip the box; this one stays flat up to {:.6g}{}",
-                                 ground_.friction * press * side / (friction * half),
-                                 ground_.friction_model == FrictionModel::constant ? " N" : ""));
+                                 friction_.limit * press * side / (friction * half),
+                                 friction_.model == FrictionModel::constant ? " N" : ""));
     }
   }
 
   Body body_;
-  Ground ground_;
+  HalfSpace plane_;
+  Friction friction_;
   Vec3 downhill_{};
   Vec3 across_{};
   Coulomb motion_{0, 0, 0, 0};

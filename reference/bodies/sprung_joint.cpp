@@ -15,32 +15,30 @@ namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-Vec3 difference(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-double length(const Vec3& v) { return std::sqrt(dot(v, v)); }
-
 /// What is the same for every law: which body moves how much, and what they do together.
 class JointMotion : public BodyMotion {
  public:
   explicit JointMotion(const Scenario& scenario)
-      : bodies_(scenario.bodies), joint_(*scenario.joint), gravity_(scenario.gravity) {
+      : bodies_(scenario.mechanism.bodies), joint_(scenario.mechanism.joints.at(0)), gravity_(scenario.gravity) {
     check(scenario.name);
   }
 
-  void at(double t, std::span<BodyState> states) const final {
+  void at(double t, std::span<BodyState> states, std::span<JointState> joints) const final {
     const bool pair = bodies_.size() == 2;
     const double shares[] = {pair ? bodies_[1].mass_kg / total() : 1, pair ? -bodies_[0].mass_kg / total() : 0};
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       BodyState& state = states[i] = BodyState{};
-      put(rotation_of(bodies_[i].turn_rad), state.rotation);
+      state.rotation = rotation_of(rotation_vector(bodies_[i].attitude));
       for (std::size_t k = 0; k < 3; ++k) {
         const Deflection start = starts(k);
         const Deflection now = deflection(t, k);
         const Deflection centre = centre_of_mass(t, k);
         state.position[k] = bodies_[i].position_m[k] + shares[i] * (now.x - start.x) + centre.x;
         state.velocity[k] = shares[i] * now.v + centre.v;
-        state.joint_force[k] = (i == 0 ? 1 : -1) * force(t, k);
       }
     }
+    // `force` is that on the first body; the joint tells that on the one it carries.
+    for (std::size_t k = 0; k < 3; ++k) joints[0].force[k] = (pair ? -1 : 1) * force(t, k);
   }
 
   BodyUncertainty uncertainty(double t) const final {
@@ -49,7 +47,7 @@ class JointMotion : public BodyMotion {
     for (std::size_t k = 0; k < 3; ++k) squares += std::pow(deflection_uncertainty(t, k), 2);
     for (const Body& body : bodies_) {
       double way = std::fabs(t) * length(body.velocity_m_s) + gravity_ * t * t / 2;
-      for (std::size_t k = 0; k < 3; ++k) way += std::fabs(body.position_m[k]) + std::fabs(joint_.displacement_m[k]);
+      for (std::size_t k = 0; k < 3; ++k) way += std::fabs(body.position_m[k]) + std::fabs(joint_.opening_m[k]);
       uncertainty.position_m = std::fmax(uncertainty.position_m, std::sqrt(squares) + 4 * epsilon * way);
     }
     return uncertainty;
@@ -65,7 +63,7 @@ class JointMotion : public BodyMotion {
   double gravity() const { return gravity_; }
   Deflection starts(std::size_t axis) const {
     const double other = bodies_.size() == 2 ? bodies_[1].velocity_m_s[axis] : 0;
-    return {joint_.displacement_m[axis], bodies_[0].velocity_m_s[axis] - other};
+    return {joint_.opening_m[axis], bodies_[0].velocity_m_s[axis] - other};
   }
 
   virtual Deflection deflection(double t, std::size_t axis) const = 0;
@@ -95,15 +93,14 @@ class JointMotion : public BodyMotion {
         throw UserError(fmt::format("{}: bodies.{}.{} {}, or the motion has no closed form", name, i, key, rule));
       };
       if (dot(body.spin_rad_s, body.spin_rad_s) != 0) refuse("spin", "must be 0");
-      const Vec3 half = i == 0 ? joint_.displacement_m : Vec3{};
-      const Vec3 anchor{joint_.anchor_m[0] + half[0], joint_.anchor_m[1] + half[1], joint_.anchor_m[2] + half[2]};
-      const Vec3 arm = difference(anchor, body.position_m);
+      const Vec3 anchor = anchor_m(joint_.kind) + (i == 0 ? joint_.opening_m : Vec3{});
+      const Vec3 arm = anchor - body.position_m;
       const double rounding = 8 * epsilon * (length(anchor) + length(body.position_m));
       const auto along = [&](const Vec3& pull) {
         const Vec3 torque = cross(arm, pull);
         return length(torque) <= rounding * length(pull);
       };
-      if (!along(joint_.displacement_m)) refuse("position", "must be the joint's anchor or lie along its displacement");
+      if (!along(joint_.opening_m)) refuse("position", "must be the joint's anchor or lie along its displacement");
       if (!along(speed)) refuse("velocity", "must lie along the line from the body to the joint");
       if (!along({0, 0, pull(2)})) refuse("position", "must be the joint's anchor, above or below it");
     }
@@ -118,7 +115,7 @@ class SpringJoint final : public JointMotion {
  public:
   SpringJoint(const Scenario& scenario, const Spring& spring) : JointMotion(scenario), spring_(spring) {}
 
-  std::string described() const override {
+  std::string origin() const override {
     return fmt::format("closed form: damped oscillator, kp {:.6g} N/m, kd {:.6g} N s/m", spring_.kp_N_m,
                        spring_.kd_Ns_m);
   }
@@ -141,7 +138,7 @@ class RigidJoint final : public JointMotion {
   explicit RigidJoint(const Scenario& scenario)
       : JointMotion(scenario), erp_(scenario.ode.softness(scenario.step_s).erp), step_s_(scenario.step_s) {}
 
-  std::string described() const override {
+  std::string origin() const override {
     return fmt::format("law of a rigid joint: a gap shrinks by {:.6g} a step", erp_);
   }
 

@@ -33,7 +33,8 @@ constexpr int digits_after_point = 26;
 double difference_to_fifty_digits(const Scenario& scenario, const QuadRun& run) {
   const ChainEquations<Fifty, 2> equations(scenario);
   Extrapolation<Fifty, 4> extrapolation(fifty_order);
-  std::array<Fifty, 4> y{scenario.q0[0], scenario.q0[1], scenario.qd0[0], scenario.qd0[1]};
+  const PlanarView& view = *scenario.planar;
+  std::array<Fifty, 4> y{view.q0[0], view.q0[1], view.qd0[0], view.qd0[1]};
   double largest = 0;
   for (long row = 1; row < grid.rows; ++row) {
     const Fifty step = (Fifty(grid.time(row)) - Fifty(grid.time(row - 1))) / fifty_substeps;

@@ -1,15 +1,12 @@
 #pragma once
 // The double pendulums whose trajectories are certified in this folder.
 #include <array>
+#include <memory>
 #include <string_view>
 
-#include "odeval/problem.hpp"
 #include "odeval/scenario.hpp"
 
 namespace odeval::reference {
-
-/// What all of them are.
-inline constexpr Problem two_links{"two links", "two links on two hinges", 2, false, hanging_frame};
 
 struct CertifiedMotion {
   std::string_view name;  // of the file, without .csv
@@ -19,16 +16,18 @@ struct CertifiedMotion {
   std::array<double, 2> q0;
   std::array<double, 2> qd0;
 
+  /// In joint coordinates only.
   Scenario scenario() const {
     Scenario scenario;
     scenario.name = name;
-    scenario.problem = &two_links;
     scenario.duration_s = 10;
     scenario.step_s = 0.01;
     scenario.gravity = gravity;
-    scenario.links.assign(links.begin(), links.end());
-    scenario.q0.assign(q0.begin(), q0.end());
-    scenario.qd0.assign(qd0.begin(), qd0.end());
+    scenario.planar = std::make_shared<PlanarView>(PlanarView{.frame = space_frame,
+                                                              .links = {links.begin(), links.end()},
+                                                              .q0 = {q0.begin(), q0.end()},
+                                                              .qd0 = {qd0.begin(), qd0.end()},
+                                                              .wall = {}});
     return scenario;
   }
 };

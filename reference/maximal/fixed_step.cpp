@@ -31,13 +31,15 @@ class FixedStep final : public Simulation {
   using State = typename Chain::State;
 
   FixedStep(const Scenario& scenario, const SampleGrid& grid)
-      : grid_(grid), plane_(scenario.problem->frame), chain_(scenario), y_(Chain::start(scenario)) {}
+      : grid_(grid), plane_(scenario.planar->frame), chain_(scenario), y_(Chain::start(*scenario.planar)) {}
 
-  Outcome run(Rows* rows) override {
+  SampleShape shape() const override { return {.bodies = N, .joints = N}; }
+
+  Outcome run(Recorder recorder) override {
     Outcome outcome;
     Stepper<State> stepper;
     const auto equations = [this](const State& y, State& dydt, double) { chain_(y, dydt); };
-    if (rows != nullptr) record(*rows);
+    record(recorder);
     for (long row = 1; row < grid_.rows && !outcome.diverged; ++row) {
       for (long k = 0; k < grid_.stride; ++k) {
         stepper.do_step(equations, y_, 0.0, grid_.step_s);
@@ -48,7 +50,7 @@ class FixedStep final : public Simulation {
                                      static_cast<double>(outcome.steps - 1) * grid_.step_s);
         break;
       }
-      if (rows != nullptr && !outcome.diverged) record(*rows);
+      if (!outcome.diverged) record(recorder);
     }
     outcome.evaluations = outcome.steps * Stepper<State>::evaluations;
     return outcome;
@@ -62,19 +64,20 @@ class FixedStep final : public Simulation {
     return sum < 1e290;
   }
 
-  void record(Rows& rows) const {
-    double* row = rows.append();
+  void record(Recorder recorder) const {
+    if (!recorder) return;
+    const Sample sample = recorder.next();
     const auto q = Chain::places_of(y_);
     const auto qd = Chain::rates_of(y_);
     const auto force = chain_.joint_forces(y_);
     for (int i = 0; i < N; ++i) {
       const double angle = q[3 * i + 2];
-      put(row, static_cast<std::size_t>(i),
+      const auto link = static_cast<std::size_t>(i);
+      sample.bodies[link] =
           body_state(plane_.point(q[3 * i], q[3 * i + 1]), plane_.rotation(angle),
-                     plane_.direction(qd[3 * i], qd[3 * i + 1]), qd[3 * i + 2] * plane_.axis(),
-                     plane_.direction(force[2 * i], force[2 * i + 1]), angle));
+                     plane_.direction(qd[3 * i], qd[3 * i + 1]), qd[3 * i + 2] * plane_.axis(), angle);
+      sample.joints[link].force = vec3(plane_.direction(force[2 * i], force[2 * i + 1]));
     }
-    row[N * body_numbers] = 0;  // contacts
   }
 
   SampleGrid grid_;
@@ -86,7 +89,7 @@ class FixedStep final : public Simulation {
 // The one place that turns a number of links known at run time into a type.
 template <template <class> class Stepper>
 std::unique_ptr<Simulation> make(const Scenario& scenario, const SampleGrid& grid) {
-  if (scenario.links.size() == 1) return std::make_unique<FixedStep<1, Stepper>>(scenario, grid);
+  if (scenario.planar->links.size() == 1) return std::make_unique<FixedStep<1, Stepper>>(scenario, grid);
   return std::make_unique<FixedStep<2, Stepper>>(scenario, grid);
 }
 

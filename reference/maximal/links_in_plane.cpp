@@ -2,25 +2,24 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <cstring>
 
 namespace odeval::reference::maximal {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-std::vector<LinkInPlane> links_at_start(const Scenario& scenario) {
+std::vector<LinkInPlane> links_at_start(const PlanarView& view) {
   std::vector<LinkInPlane> links;
   LinkInPlane near{};  // the end of the link before: its place and velocity, and that link's angle and rate
-  for (std::size_t i = 0; i < scenario.links.size(); ++i) {
-    const double angle = near.angle + scenario.q0[i];
-    const double rate = near.rate + scenario.qd0[i];
+  for (std::size_t i = 0; i < view.links.size(); ++i) {
+    const double angle = near.angle + view.q0[i];
+    const double rate = near.rate + view.qd0[i];
     const auto along = [&](double s) {
       return LinkInPlane{near.x + s * std::cos(angle),         near.y + s * std::sin(angle),         angle,
                          near.vx - s * rate * std::sin(angle), near.vy + s * rate * std::cos(angle), rate};
     };
-    links.push_back(along(scenario.links[i].centre_m()));
-    near = along(scenario.links[i].length_m);
+    links.push_back(along(view.links[i].centre_m()));
+    near = along(view.links[i].length_m);
   }
   return links;
 }
@@ -53,19 +52,14 @@ Vector3d PlaneInWorld::box_sides(const Link& link) const {
 }
 
 BodyState body_state(const Vector3d& position, const Matrix3d& rotation, const Vector3d& velocity, const Vector3d& spin,
-                     const Vector3d& joint_force, double angle) {
+                     double angle) {
   BodyState state;
-  Vector3d::Map(state.position) = position;
-  Eigen::Matrix<double, 3, 3, Eigen::RowMajor>::Map(state.rotation) = rotation;
-  Vector3d::Map(state.velocity) = velocity;
-  Vector3d::Map(state.spin) = spin;
-  Vector3d::Map(state.joint_force) = joint_force;
+  state.position = vec3(position);
+  Eigen::Matrix<double, 3, 3, Eigen::RowMajor>::Map(state.rotation.data()) = rotation;
+  state.velocity = vec3(velocity);
+  state.spin = vec3(spin);
   state.angle = angle;
   return state;
-}
-
-void put(double* row, std::size_t link, const BodyState& state) {
-  std::memcpy(row + link * body_numbers, &state, sizeof state);
 }
 
 }  // namespace odeval::reference::maximal

@@ -4,8 +4,8 @@
 #include <numbers>
 #include <vector>
 
-#include "odeval/method.hpp"
-#include "odeval/scenario.hpp"
+#include "odeval/motion.hpp"
+#include "odeval/planar_view.hpp"
 
 namespace odeval::reference::maximal {
 
@@ -16,9 +16,10 @@ struct LinkInPlane {
 };
 
 /// The links at t = 0, joints closed.
-std::vector<LinkInPlane> links_at_start(const Scenario& scenario);
+std::vector<LinkInPlane> links_at_start(const PlanarView& view);
 
 inline Eigen::Vector3d eigen(const Vec3& v) { return {v[0], v[1], v[2]}; }
+inline Vec3 vec3(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
 
 /// The plane in the world.
 class PlaneInWorld {
@@ -40,11 +41,8 @@ class PlaneInWorld {
   Eigen::Vector3d along_body_, across_body_;
 };
 
-/// A link's share of a recorded row.
+/// A link as it is recorded.
 BodyState body_state(const Eigen::Vector3d& position, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& velocity,
-                     const Eigen::Vector3d& spin, const Eigen::Vector3d& joint_force, double angle);
-
-/// Writes a link's share into a row.
-void put(double* row, std::size_t link, const BodyState& state);
+                     const Eigen::Vector3d& spin, double angle);
 
 }  // namespace odeval::reference::maximal

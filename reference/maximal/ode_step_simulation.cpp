@@ -24,7 +24,8 @@ OdeStepSettings step_settings(const Scenario& scenario) {
   settings.erp = softness.erp;
   settings.cfm = softness.cfm;
   settings.gravity = Eigen::Vector3d(0, 0, -scenario.gravity);
-  if (scenario.wall) settings.bounce = scenario.ode.bounce.value_or(scenario.wall->restitution);
+  const std::optional<Wall>& wall = scenario.planar->wall;
+  if (wall) settings.bounce = scenario.ode.bounce.value_or(wall->restitution);
   settings.bounce_vel = scenario.ode.bounce_vel;
   settings.max_correcting_vel = scenario.ode.max_correcting_vel;
   settings.surface_layer = scenario.ode.surface_layer;
@@ -34,7 +35,7 @@ OdeStepSettings step_settings(const Scenario& scenario) {
 
 Body body_of(const PlaneInWorld& plane, const Link& link, const LinkInPlane& at) {
   Body body =
-      link.shape == Shape::box ? box(link.mass_kg, plane.box_sides(link)) : ball(link.mass_kg, link.width_m / 2);
+      link.shape == LinkShape::box ? box(link.mass_kg, plane.box_sides(link)) : ball(link.mass_kg, link.width_m / 2);
   body.position = plane.point(at.x, at.y);
   body.rotation = plane.rotation(at.angle);
   body.orientation = Eigen::Quaterniond(body.rotation);
@@ -44,17 +45,17 @@ Body body_of(const PlaneInWorld& plane, const Link& link, const LinkInPlane& at)
 }
 
 /// The links as bodies, by number, with `hinges` equal hinges at each joint.
-void add_links(OdeStep& step, const PlaneInWorld& plane, const Scenario& scenario, int hinges) {
-  const Eigen::Vector3d axis = eigen(scenario.problem->frame.hinge_axis);
+void add_links(OdeStep& step, const PlaneInWorld& plane, const PlanarView& view, int hinges) {
+  const Eigen::Vector3d axis = eigen(view.frame.hinge_axis);
   int parent = world;
   LinkInPlane before{};
   double beyond = 0;
   std::size_t i = 0;
-  for (const LinkInPlane& link : links_at_start(scenario)) {
+  for (const LinkInPlane& link : links_at_start(view)) {
     // The joint is the far end of the link before; the first hinge is the plane's origin.
     const Eigen::Vector3d anchor =
         plane.point(before.x + beyond * std::cos(before.angle), before.y + beyond * std::sin(before.angle));
-    const int number = step.add_body(body_of(plane, scenario.links[i], link));
+    const int number = step.add_body(body_of(plane, view.links[i], link));
     for (int copy = 0; copy < hinges; ++copy) {
       // As in ODE's scene: the first link is body 0 of its hinge, every other link is body 1, after its parent.
       if (parent == world) {
@@ -65,23 +66,26 @@ void add_links(OdeStep& step, const PlaneInWorld& plane, const Scenario& scenari
     }
     parent = number;
     before = link;
-    beyond = scenario.links[i++].beyond_centre_m();
+    beyond = view.links[i++].beyond_centre_m();
   }
 }
 
 class OdeStepSimulation final : public Simulation {
  public:
   OdeStepSimulation(const Scenario& scenario, const SampleGrid& grid)
-      : grid_(grid), plane_(scenario.problem->frame), step_(step_settings(scenario)) {
-    add_links(step_, plane_, scenario, 1);
-    for (const LinkInPlane& link : links_at_start(scenario)) angles_.push_back(link.angle);
-    if (scenario.wall) wall_.emplace(0, plane_.box_sides(scenario.links[0]), scenario.wall->face_m);
+      : grid_(grid), plane_(scenario.planar->frame), step_(step_settings(scenario)) {
+    const PlanarView& view = *scenario.planar;
+    add_links(step_, plane_, view, 1);
+    for (const LinkInPlane& link : links_at_start(view)) angles_.push_back(link.angle);
+    if (view.wall) wall_.emplace(0, plane_.box_sides(view.links[0]), view.wall->face_m);
     impacts_.reserve(1024);
   }
 
-  Outcome run(Rows* rows) override {
+  SampleShape shape() const override { return {.bodies = angles_.size(), .joints = angles_.size()}; }
+
+  Outcome run(Recorder recorder) override {
     Outcome outcome;
-    if (rows != nullptr) record(*rows);
+    record(recorder, outcome);
     for (long row = 1; row < grid_.rows; ++row) {
       for (long k = 0; k < grid_.stride; ++k) {
         take_step(outcome.steps++);
@@ -92,10 +96,10 @@ class OdeStepSimulation final : public Simulation {
           break;
         }
         follow_angles();
-        if (rows != nullptr && outcome.steps == 1) give_start_its_forces(*rows);
+        if (recorder && outcome.steps == 1) record_forces(recorder.at(0));
       }
       if (outcome.diverged) break;
-      if (rows != nullptr) record(*rows);
+      record(recorder, outcome);
     }
     outcome.messages = step_.unsolved();
     outcome.impacts = std::move(impacts_);
@@ -138,29 +142,24 @@ class OdeStepSimulation final : public Simulation {
     }
   }
 
-  void record(Rows& rows) const {
-    double* row = rows.append();
+  void record(Recorder recorder, const Outcome& outcome) const {
+    if (!recorder) return;
+    const Sample sample = recorder.next();
     for (int i = 0; i < links(); ++i) {
       const Body& body = step_.body(i);
       const auto link = static_cast<std::size_t>(i);
-      put(row, link,
-          body_state(body.position, body.rotation, body.velocity, body.spin, joint_force(i, rows.count() > 1),
-                     angles_[link]));
+      sample.bodies[link] = body_state(body.position, body.rotation, body.velocity, body.spin, angles_[link]);
     }
-    row[angles_.size() * body_numbers] = static_cast<double>(contacts_);
+    sample.contacts = static_cast<double>(contacts_);
+    // No step led to t = 0: its sample gets the forces of the first step.
+    if (outcome.steps > 0) record_forces(sample);
   }
 
   // On the link itself, which is body 0 of its hinge if it is the first and body 1 otherwise.
-  Eigen::Vector3d joint_force(int link, bool stepped) const {
-    if (!stepped) return Eigen::Vector3d::Zero();
-    return link == 0 ? step_.hinge_force(link) : Eigen::Vector3d(-step_.hinge_force(link));
-  }
-
-  // No step led to t = 0: its row shows the force of the first step instead of a zero nobody measured.
-  void give_start_its_forces(Rows& rows) const {
+  void record_forces(const Sample& sample) const {
     for (int i = 0; i < links(); ++i) {
-      double* start = rows.row(0) + static_cast<std::size_t>(i) * body_numbers;
-      Eigen::Vector3d::Map(start + offsetof(BodyState, joint_force) / sizeof(double)) = joint_force(i, true);
+      const Eigen::Vector3d force = step_.hinge_force(i);
+      sample.joints[static_cast<std::size_t>(i)].force = vec3(i == 0 ? force : Eigen::Vector3d(-force));
     }
   }
 
@@ -184,7 +183,7 @@ std::unique_ptr<Simulation> make_maximal_ode_step(const Scenario& scenario, cons
 
 SystemSpectrum system_spectrum(const Scenario& scenario, int hinges) {
   OdeStep step(step_settings(scenario));
-  add_links(step, PlaneInWorld(scenario.problem->frame), scenario, hinges);
+  add_links(step, PlaneInWorld(scenario.planar->frame), *scenario.planar, hinges);
   step.step(scenario.step_s);  // which leaves the system of the pose it started from
   const Eigen::MatrixXd system = step.system_matrix();
   const Eigen::VectorXd values =

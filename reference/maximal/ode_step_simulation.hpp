@@ -2,11 +2,11 @@
 // A scenario's pendulum moved by the rebuilt dWorldStep.
 #include <memory>
 
-#include "odeval/method.hpp"
+#include "odeval/engine.hpp"
 
 namespace odeval::reference {
 
-/// Rows are Cartesian, as those of the ODE methods. Obeys the [ode] settings of dWorldStep.
+/// Samples of bodies and joints, as those of the ODE methods. Obeys the [ode] settings of dWorldStep.
 std::unique_ptr<Simulation> make_maximal_ode_step(const Scenario& scenario, const SampleGrid& grid);
 
 /// How singular the system is that dWorldStep factors, J M^-1 J^T + CFM/h of all hinges' rows.

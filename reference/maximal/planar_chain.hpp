@@ -38,7 +38,7 @@ class PlanarChain {
 
   explicit PlanarChain(const Scenario& scenario) : ks_(scenario.maximal.ks), kd_(scenario.maximal.kd) {
     for (int i = 0; i < N; ++i) {
-      const Link& link = scenario.links[static_cast<std::size_t>(i)];
+      const Link& link = scenario.planar->links[static_cast<std::size_t>(i)];
       to_near_[i] = link.centre_m();
       to_far_[i] = link.beyond_centre_m();
       inverse_mass_.template segment<3>(3 * i) << 1 / link.mass_kg, 1 / link.mass_kg, 1 / link.inertia_kgm2();
@@ -46,10 +46,10 @@ class PlanarChain {
     }
   }
 
-  static State start(const Scenario& scenario) {
+  static State start(const PlanarView& view) {
     State y{};
     std::size_t k = 0;
-    for (const LinkInPlane& link : links_at_start(scenario)) {
+    for (const LinkInPlane& link : links_at_start(view)) {
       y[k] = link.x;
       y[k + 1] = link.y;
       y[k + 2] = link.angle;

@@ -1,0 +1,15 @@
+#pragma once
+// Who knows the true motion of a scenario.
+#include <span>
+
+#include "odeval/reference.hpp"
+
+namespace odeval::reference {
+
+/// All of them, the better first: exact, then integrated.
+std::span<const ReferenceProvider> providers();
+
+/// The first that supports the scenario. Throws UserError when none does.
+const ReferenceProvider& provider_for(const Scenario& scenario);
+
+}  // namespace odeval::reference
