@@ -1,6 +1,6 @@
 #pragma once
 // Method ode-rk4-double: the ODE adapter's world, moved by the fourth-order step.
-#include "odeval/method.hpp"
+#include "odeval/engine.hpp"
 
 namespace odeval::catalogue {
 

@@ -17,7 +17,7 @@ double mean_seconds(TimedRun& run, Clock clock) {
   for (auto& simulation : simulations) simulation = run.evaluator->make(*run.method);
   Outcome outcome;
   const double start = clock();
-  for (const auto& simulation : simulations) outcome = simulation->run(nullptr);
+  for (const auto& simulation : simulations) outcome = simulation->run(Recorder());
   const double seconds = clock() - start;
   run.steps = outcome.steps;
   run.evaluations = outcome.evaluations;

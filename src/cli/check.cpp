@@ -1,4 +1,5 @@
 // odeval check: holds every tolerance of the scenario files against a fresh measurement.
+#include <algorithm>
 #include <iostream>
 #include <map>
 

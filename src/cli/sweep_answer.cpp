@@ -16,6 +16,7 @@
 #include "output/number.hpp"
 #include "output/sweep_table.hpp"
 #include "output/table.hpp"
+#include "reference/providers.hpp"
 #include "report/front.hpp"
 #include "run/front.hpp"
 

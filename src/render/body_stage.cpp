@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/vector.hpp"
-
 namespace odeval::render {
 namespace {
 
@@ -17,12 +15,20 @@ Vec3 middle_of(const Pose& pose) {
   return (1.0 / static_cast<double>(std::max<std::size_t>(pose.size(), 1))) * sum;
 }
 
+/// The plane that falls towards +x, seen below a point.
+GroundPlane ground_below(const odeval::HalfSpace& plane, const Vec3& point) {
+  const Vec3& normal = plane.normal;
+  const double height = dot(point, normal) - plane.offset_m;
+  return {point - height * normal, {normal[2], 0, -normal[0]}, {0, 1, 0}, normal};
+}
+
 }  // namespace
 
 BodyStage::BodyStage(const Scenario& scenario, std::span<const Pose> shown)
-    : bodies_(scenario.bodies), frame_(scenario.problem->frame), free_(!scenario.ground) {
-  if (scenario.joint && bodies_.size() == 1) {
-    pin_ = scenario.joint->anchor_m;
+    : bodies_(scenario.mechanism.bodies), frame_(scenario.frame()), free_(scenario.mechanism.obstacles.empty()) {
+  for (const Joint& joint : scenario.mechanism.joints) {
+    if (joint.second) continue;
+    pin_ = anchor_m(joint.kind);
     free_ = false;
   }
   Vec3 low{far_m, far_m, far_m};
@@ -43,19 +49,19 @@ BodyStage::BodyStage(const Scenario& scenario, std::span<const Pose> shown)
   const Vec3 centre = 0.5 * (low + high);
   reach_m_ = std::max(length(high - low) / 2, 1e-3);
   frame_.hinge_m = centre;
-  if (!scenario.ground) return;
-  const Vec3 normal = scenario.ground->normal();
-  ground_ = GroundPlane{centre - dot(centre, normal) * normal, scenario.ground->downhill(), {0, 1, 0}, normal};
+  for (const Obstacle& obstacle : scenario.mechanism.obstacles) {
+    if (const auto* const plane = std::get_if<odeval::HalfSpace>(&obstacle.shape)) ground_ = ground_below(*plane, centre);
+  }
 }
 
 double BodyStage::radius(std::size_t body) const {
-  const Vec3& size = bodies_[body].size_m;
-  return bodies_[body].shape == Shape::sphere ? size[0] / 2 : length(size) / 2;
+  const Vec3 size = sides_m(bodies_[body].shape);
+  return is_sphere(bodies_[body].shape) ? size[0] / 2 : length(size) / 2;
 }
 
-// Along the body's z axis, across along x, hinge along y: body_frame of the problems.
+// Along the body's z axis, across along x, hinge along y: as in space_frame.
 BoxSize BodyStage::half(std::size_t body) const {
-  const auto [x, y, z] = bodies_[body].size_m;
+  const auto [x, y, z] = sides_m(bodies_[body].shape);
   return {z / 2, x / 2, y / 2};
 }
 
@@ -98,7 +104,7 @@ bool BodyStage::inside(const Camera& camera, const Pose& pose) const {
 }
 
 void BodyStage::add_body(Layer& layer, const Brush& brush, const Pose& pose, std::size_t body, double edge_px) const {
-  if (bodies_[body].shape == Shape::sphere) {
+  if (is_sphere(bodies_[body].shape)) {
     brush.sphere(layer, pose[body], radius(body), colour_in_turn(body), edge_px);
   } else {
     brush.box(layer, pose[body], half(body), colour_in_turn(body), edge_px);
@@ -108,7 +114,7 @@ void BodyStage::add_body(Layer& layer, const Brush& brush, const Pose& pose, std
 void BodyStage::add_wires(Layer& layer, const Brush& brush, const Pose& pose, const Colour& colour, double px) const {
   for (std::size_t i = 0; i < pose.size(); ++i) {
     if (!drawable(pose[i])) continue;
-    if (bodies_[i].shape == Shape::sphere) {
+    if (is_sphere(bodies_[i].shape)) {
       brush.circles(layer, pose[i], radius(i), colour, px);
     } else {
       brush.wire(layer, pose[i], half(i), colour, px);
@@ -129,7 +135,7 @@ std::vector<Layer> BodyStage::layers(const Camera& camera, const Pose& pose, con
     std::vector<Quad> casters;
     for (std::size_t i = 0; i < seen.size(); ++i) {
       if (!drawable(pose[i])) continue;
-      if (bodies_[i].shape == Shape::sphere) {
+      if (is_sphere(bodies_[i].shape)) {
         add_quads(casters, seen[i].centre_m, radius(i));
       } else {
         add_quads(casters, seen[i], half(i));

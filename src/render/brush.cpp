@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <numbers>
 
-#include "render/vector.hpp"
 
 namespace odeval::render {
 namespace {

@@ -4,7 +4,6 @@
 #include <limits>
 #include <numbers>
 
-#include "render/vector.hpp"
 
 namespace odeval::render {
 namespace {

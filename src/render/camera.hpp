@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "odeval/problem.hpp"
+#include "odeval/planar_view.hpp"
 
 namespace odeval::render {
 

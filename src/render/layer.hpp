@@ -2,7 +2,7 @@
 // What a painter paints: coloured triangles in the world, layer upon layer.
 #include <vector>
 
-#include "odeval/problem.hpp"
+#include "odeval/planar_view.hpp"
 #include "render/image.hpp"
 
 namespace odeval::render {

@@ -4,7 +4,6 @@
 #include <numbers>
 
 #include "render/scenery.hpp"
-#include "render/vector.hpp"
 
 namespace odeval::render {
 namespace {
@@ -12,7 +11,7 @@ namespace {
 constexpr Colour wall_colour{214, 208, 198};
 }  // namespace
 
-PendulumStage::PendulumStage(const Scenario& scenario) : frame_(scenario.problem->frame), links_(scenario.links) {
+PendulumStage::PendulumStage(const Scenario& scenario) : frame_(scenario.planar->frame), links_(scenario.planar->links) {
   double lengths = 0;
   double widest = 0;
   for (const Link& link : links_) {
@@ -21,13 +20,13 @@ PendulumStage::PendulumStage(const Scenario& scenario) : frame_(scenario.problem
   }
   reach_m_ = lengths + widest / 2;
   ground_m_ = dot(frame_.hinge_m, frame_.up) - reach_m_ - lengths / 40;
-  if (!scenario.wall) return;
+  if (!scenario.planar->wall) return;
 
   const double hinge_height = dot(frame_.hinge_m, frame_.up);
   const double top = hinge_height + reach_m_ / 2;
   const double thickness = 0.3 * reach_m_;
   const double depth = std::max(0.8 * reach_m_, 2 * links_.front().depth_m);
-  const double middle = scenario.wall->face_m - thickness / 2 - dot(frame_.hinge_m, frame_.horizontal);
+  const double middle = scenario.planar->wall->face_m - thickness / 2 - dot(frame_.hinge_m, frame_.horizontal);
   const Vec3 centre = frame_.hinge_m + middle * frame_.horizontal + ((top + ground_m_) / 2 - hinge_height) * frame_.up;
   wall_ =
       Block{{centre, frame_.up, frame_.horizontal, frame_.axis()}, {(top - ground_m_) / 2, thickness / 2, depth / 2}};
@@ -74,7 +73,7 @@ bool PendulumStage::inside(const Camera& camera, const Pose& pose) const {
 // Links next to each other are drawn a little less deep in turn: faces in the same plane would fight for pixels.
 PendulumStage::Block PendulumStage::block(const Pose& pose, std::size_t link) const {
   const Link& size = links_[link];
-  if (size.shape == Shape::sphere) return {pose[link], {size.width_m / 2, size.width_m / 2, size.width_m / 2}};
+  if (size.shape == LinkShape::sphere) return {pose[link], {size.width_m / 2, size.width_m / 2, size.width_m / 2}};
   const double depth = size.depth_m * (link % 2 == 0 ? 1 : 0.97);
   return {pose[link], {size.length_m / 2, size.width_m / 2, depth / 2}};
 }
@@ -95,7 +94,7 @@ void PendulumStage::add_hinges(Layer& layer, const Brush& brush, const Pose& pos
     const double deepest = i == 0 ? links_[0].depth_m : std::max(links_[i].depth_m, links_[i - 1].depth_m);
     // Never too small to see, nor so large that the hinges of a long chain hide its links.
     const double radius = std::max(0.32 * thinnest, std::min(0.004 * reach_m_, 0.1 * links_[i].length_m)) /
-                          (links_[i].shape == Shape::sphere ? 2 : 1);
+                          (links_[i].shape == LinkShape::sphere ? 2 : 1);
     const Vec3 near = pose[i].centre_m - links_[i].centre_m() * pose[i].along;
     const Vec3 at = i == 0 ? frame_.hinge_m : near;
     // The first hinge holds on to the world; the others stand out so far that no edge is lifted over them.
@@ -113,7 +112,7 @@ std::vector<Layer> PendulumStage::layers(const Camera& camera, const Pose& pose,
   for (std::size_t i = 0; i < pose.size(); ++i) {
     if (!drawable(pose[i])) continue;
     const Block link = block(pose, i);
-    if (links_[i].shape == Shape::sphere) {
+    if (links_[i].shape == LinkShape::sphere) {
       const Block held_by = rod(pose, i);
       add_quads(casters, held_by.pose, held_by.half);
       add_quads(casters, link.pose.centre_m, link.half.along);
@@ -150,7 +149,7 @@ std::vector<Layer> PendulumStage::layers(const Camera& camera, const Pose& pose,
   for (std::size_t i = 0; i < pose.size(); ++i) {
     if (!drawable(pose[i])) continue;
     const Block link = block(pose, i);
-    if (links_[i].shape == Shape::sphere) {
+    if (links_[i].shape == LinkShape::sphere) {
       const Block held_by = rod(pose, i);
       brush.box(links, held_by.pose, held_by.half, colour_in_turn(i), 0);
       brush.sphere(links, link.pose, link.half.along, colour_in_turn(i), edge_px);
@@ -165,7 +164,7 @@ std::vector<Layer> PendulumStage::layers(const Camera& camera, const Pose& pose,
       for (std::size_t i = 0; i < outline->size(); ++i) {
         if (!drawable((*outline)[i])) continue;
         const Block link = block(*outline, i);
-        if (links_[i].shape == Shape::sphere) {
+        if (links_[i].shape == LinkShape::sphere) {
           const Block held_by = rod(*outline, i);
           brush.wire(wires, held_by.pose, held_by.half, colour, px);
           brush.circles(wires, link.pose, link.half.along, colour, px);

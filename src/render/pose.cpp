@@ -1,7 +1,5 @@
 #include "render/pose.hpp"
 
-#include "render/vector.hpp"
-
 namespace odeval::render {
 namespace {
 
@@ -24,14 +22,14 @@ Pose from_bodies(const PlanarFrame& frame, const Trace& trace, std::size_t row) 
 }
 
 Pose from_angles(const Scenario& scenario, const Trace& trace, std::size_t row) {
-  const PlanarFrame& frame = scenario.problem->frame;
+  const PlanarFrame& frame = scenario.planar->frame;
   Pose pose;
   Vec3 near = frame.hinge_m;
   double angle = 0;
-  for (std::size_t i = 0; i < scenario.links.size(); ++i) {
+  for (std::size_t i = 0; i < scenario.planar->links.size(); ++i) {
     angle += trace.q[i][row];
     const Vec3 along = std::cos(angle) * frame.horizontal + std::sin(angle) * frame.up;
-    const Link& link = scenario.links[i];
+    const Link& link = scenario.planar->links[i];
     pose.push_back({near + link.centre_m() * along, along, cross(frame.axis(), along), frame.hinge_axis});
     near = near + link.length_m * along;
   }
@@ -41,7 +39,7 @@ Pose from_angles(const Scenario& scenario, const Trace& trace, std::size_t row) 
 }  // namespace
 
 Pose pose_at(const Scenario& scenario, const Trace& trace, std::size_t row) {
-  return trace.bodies.empty() ? from_angles(scenario, trace, row) : from_bodies(scenario.problem->frame, trace, row);
+  return trace.bodies.empty() ? from_angles(scenario, trace, row) : from_bodies(scenario.frame(), trace, row);
 }
 
 }  // namespace odeval::render

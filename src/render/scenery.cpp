@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/vector.hpp"
 
 namespace odeval::render {
 namespace {

@@ -11,7 +11,6 @@
 #include "odeval/error.hpp"
 #include "render/png.hpp"
 #include "render/studio.hpp"
-#include "render/vector.hpp"
 #include "tests/check.hpp"
 #include "tests/scenarios.hpp"
 
