@@ -25,7 +25,7 @@ struct First {
 
 /// The first impact of the scenario.
 First first_impact(Scenario scenario) {
-  const double height = scenario.bodies.front().position_m[2] - scenario.bodies.front().size_m[2] / 2;
+  const double height = scenario.mechanism.bodies.front().position_m[2] - sides_m(scenario.mechanism.bodies.front().shape)[2] / 2;
   scenario.duration_s = std::sqrt(2 * height / scenario.gravity) + 2 * scenario.step_s;
   scenario.sample_s.reset();
   const Evaluation run = Evaluator(scenario).evaluate(*available(big_matrix));
@@ -36,7 +36,7 @@ First first_impact(Scenario scenario) {
 
 /// Of one row in a step: the force mixing F adds cfm F to the rate asked for.
 double predicted(const Scenario& scenario) {
-  const double mixed = scenario.ode.cfm * scenario.bodies.front().mass_kg / scenario.step_s;
+  const double mixed = scenario.ode.cfm * scenario.mechanism.bodies.front().mass_kg / scenario.step_s;
   return std::fmax((scenario.restitution() - mixed) / (1 + mixed), -1);
 }
 
@@ -46,7 +46,7 @@ void delivered(const Scenario& scenario, Content& content, Findings& findings) {
       .columns = {"h, s", "ERP", "CFM", "mass, kg", "speed, m/s", "overlap, m", "asked for", "delivered"}};
   const auto add = [&](const Scenario& changed) {
     const First first = first_impact(changed);
-    table.rows.push_back({changed.step_s, changed.ode.erp, changed.ode.cfm, changed.bodies[0].mass_kg,
+    table.rows.push_back({changed.step_s, changed.ode.erp, changed.ode.cfm, changed.mechanism.bodies[0].mass_kg,
                           -first.impact.qd_before, first.impact.depth, changed.restitution(), first.delivered});
     return first.delivered;
   };
@@ -72,7 +72,7 @@ void delivered(const Scenario& scenario, Content& content, Findings& findings) {
     report::Series series{fmt::format("ERP {}", erp), {}, {}, report::Mark::line_and_points};
     for (const double asked : {0.0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0}) {
       Scenario changed = scenario;
-      changed.ground->restitution = asked;
+      changed.mechanism.contacts.front().restitution = asked;
       changed.ode.erp = erp;
       series.x.push_back(asked);
       series.y.push_back(add(changed));
@@ -81,12 +81,12 @@ void delivered(const Scenario& scenario, Content& content, Findings& findings) {
   }
   for (const double height : {0.01, 0.1, 10.0}) {  // the speed of the impact
     Scenario changed = scenario;
-    changed.bodies[0].position_m[2] = changed.bodies[0].size_m[2] / 2 + height;
+    changed.mechanism.bodies[0].position_m[2] = sides_m(changed.mechanism.bodies[0].shape)[2] / 2 + height;
     add(changed);
   }
   Scenario heavy = scenario;
   heavy.ode.cfm = 1e-5;
-  heavy.bodies[0].mass_kg = 10;
+  heavy.mechanism.bodies[0].mass_kg = 10;
   findings.add("bouncing.restitution_kept",
                measured(fmt::format("restitution delivered over the {} asked for", scenario.restitution()), "",
                         first_impact(scenario).delivered / scenario.restitution()));
@@ -197,8 +197,8 @@ void ladder(const Scenario& grid, Content& content, Findings& findings) {
       if (step > rung.largest || step < rung.least) continue;
       Scenario scenario = grid;
       const bool all = step > 5e-3 && rung.method != "ode-rk4-double";
-      const double stands_for = all ? 1 : static_cast<double>(grid.bodies.size());
-      if (!all) scenario.bodies.resize(1);
+      const double stands_for = all ? 1 : static_cast<double>(grid.mechanism.bodies.size());
+      if (!all) scenario.mechanism.bodies.resize(1);
       scenario.step_s = step;
       scenario.sample_s = 0.1;
       scenario.ode.erp = rung.erp;
@@ -208,7 +208,7 @@ void ladder(const Scenario& grid, Content& content, Findings& findings) {
       const double start = stands_for * energy(run.trace, 0);
       const double rms = stands_for * metrics.rms_energy_drift;
       const double last = stands_for * energy(run.trace, run.trace.rows() - 1);
-      table.rows.push_back({std::string(rung.method), rung.erp, step, static_cast<double>(scenario.bodies.size()),
+      table.rows.push_back({std::string(rung.method), rung.erp, step, static_cast<double>(scenario.mechanism.bodies.size()),
                             start, rms * rms, last / start, deepest(run.outcome.impacts)});
       series.x.push_back(step);
       series.y.push_back(rms / start);
@@ -231,7 +231,7 @@ void ladder(const Scenario& grid, Content& content, Findings& findings) {
 Content bouncing_ball(Laboratory& laboratory, Findings& findings) {
   const Scenario& scenario = laboratory.scenario("bouncing_ball");
   Content content;
-  content.values = {{"restitution", scenario.restitution()}, {"mass", scenario.bodies[0].mass_kg}};
+  content.values = {{"restitution", scenario.restitution()}, {"mass", scenario.mechanism.bodies[0].mass_kg}};
   delivered(scenario, content, findings);
   many(scenario, content);
   rest(scenario, content);

@@ -7,6 +7,7 @@
 
 #include "experiments/all.hpp"
 #include "experiments/parts.hpp"
+#include "model/generate.hpp"
 #include "reference/analytic.hpp"
 #include "reference/wall_bounce.hpp"
 
@@ -27,7 +28,7 @@ constexpr double vertical_rad = -std::numbers::pi / 2;
 
 /// Where the side of the hanging link is, m.
 double side_of_link(const Scenario& scenario) {
-  return scenario.problem->frame.hinge_m[0] - scenario.links.front().width_m / 2;
+  return scenario.planar->frame.hinge_m[0] - scenario.planar->links.front().width_m / 2;
 }
 
 struct Setting {
@@ -57,7 +58,7 @@ struct Truth {
 };
 
 Truth truth_of(const Scenario& scenario) {
-  const reference::FreePendulum swing(scenario, {scenario.q0.front(), scenario.qd0.front()});
+  const reference::FreePendulum swing(scenario, {scenario.planar->q0.front(), scenario.planar->qd0.front()});
   const double touch = reference::free_arc(scenario).low;
   return {swing.passage(vertical_rad, false).value().t_s, swing.passage(touch, false).value().t_s};
 }
@@ -76,7 +77,7 @@ struct Contact {
 
 Scenario first_swing(const Scenario& file, double face_m, double step_s) {
   Scenario scenario = file;
-  scenario.wall->face_m = face_m;
+  change_planar(scenario, [face_m](PlanarView& view) { view.wall->face_m = face_m; });
   scenario.step_s = step_s;
   scenario.duration_s = 0.6;  // the first touch is near 0.49 s
   return scenario;
@@ -84,7 +85,7 @@ Scenario first_swing(const Scenario& file, double face_m, double step_s) {
 
 std::vector<Contact> measure_all(const Scenario& file, const std::vector<Setting>& all) {
   std::vector<Contact> contacts;
-  for (const double face_m : {file.wall->face_m, side_of_link(file)}) {
+  for (const double face_m : {file.planar->wall->face_m, side_of_link(file)}) {
     for (const double step_s : {file.step_s, file.step_s / 10}) {
       const Scenario scenario = first_swing(file, face_m, step_s);
       Evaluator evaluator(scenario);
@@ -167,19 +168,19 @@ std::optional<Move> moved_by_settings(const std::vector<Contact>& contacts, doub
 }
 
 std::optional<Move> moved_by_face(const std::vector<Contact>& contacts, const Scenario& file, double step_s) {
-  return move_between(find(contacts, file.wall->face_m, step_s, 0, steppers[0]),
+  return move_between(find(contacts, file.planar->wall->face_m, step_s, 0, steppers[0]),
                       find(contacts, side_of_link(file), step_s, 0, steppers[0]));
 }
 
 /// The delay that the report saw: of the first contact after q = -pi/2, at its wall, step and settings.
 std::optional<Move> delay_of(const std::vector<Contact>& contacts, const Scenario& file) {
-  const Contact& usual = find(contacts, file.wall->face_m, file.step_s, 0, steppers[0]);
+  const Contact& usual = find(contacts, file.planar->wall->face_m, file.step_s, 0, steppers[0]);
   if (!usual.step) return std::nullopt;
   return Move{usual.time_s() - usual.truth.vertical_s, usual.step_s};
 }
 
 void add_findings(Findings& findings, const std::vector<Contact>& contacts, const Scenario& file) {
-  const double face_m = file.wall->face_m;
+  const double face_m = file.planar->wall->face_m;
   const Contact& usual = find(contacts, face_m, file.step_s, 0, steppers[0]);
   const std::string settings = fmt::format("face at {} m, h = {} s", face_m, file.step_s);
   const std::string none = "a run found no contact";
@@ -250,7 +251,7 @@ Figure first_contact(Evaluator& evaluator, const Evaluation& run, const Evaluati
   Figure figure{.name = "fig-6-4", .columns = 2};
   figure.panels.push_back(panel(evaluator, run));
   figure.panels.push_back(panel(flush_evaluator, flush_run));
-  figure.panels[0].x_label = fmt::format("t, s (face at {} m)", scenario.wall->face_m);
+  figure.panels[0].x_label = fmt::format("t, s (face at {} m)", scenario.planar->wall->face_m);
   figure.panels[1].x_label = fmt::format("t, s (face at {} m)", side_of_link(scenario));
   return figure;
 }
@@ -295,10 +296,10 @@ Content contact_delay(Laboratory& laboratory, Findings& findings) {
   const std::optional<Move> delay = delay_of(contacts, file);
   const Metrics metrics = evaluator.measure(run, file.duration_s);
   Content content;
-  content.values = {{"restitution", file.wall->restitution},
+  content.values = {{"restitution", file.planar->wall->restitution},
                     {"duration", file.duration_s},
                     {"difference", shown(metrics.max_error_q.value_or(NAN))},
-                    {"face", file.wall->face_m},
+                    {"face", file.planar->wall->face_m},
                     {"side", side_of_link(file)},
                     {"touch", fmt::format("{:.5f}", touch_rad)},
                     {"touch_after", shown(truth.touch_s - truth.vertical_s)},

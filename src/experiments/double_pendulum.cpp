@@ -42,8 +42,8 @@ struct Path {
 
 /// Centre of mass of each link in the plane of motion: from the bodies themselves, or from angles and lengths.
 std::vector<Path> centres(const Scenario& scenario, const Trace& trace) {
-  const PlanarFrame& frame = scenario.problem->frame;
-  std::vector<Path> paths(scenario.links.size(), {Column(trace.rows()), Column(trace.rows())});
+  const PlanarFrame& frame = scenario.planar->frame;
+  std::vector<Path> paths(scenario.planar->links.size(), {Column(trace.rows()), Column(trace.rows())});
   for (std::size_t k = 0; k < trace.rows(); ++k) {
     double angle = 0;
     double across = 0;
@@ -56,7 +56,7 @@ std::vector<Path> centres(const Scenario& scenario, const Trace& trace) {
         paths[i].up[k] = dot(from_hinge, frame.up);
         continue;
       }
-      const Link& link = scenario.links[i];
+      const Link& link = scenario.planar->links[i];
       angle += trace.q[i][k];
       paths[i].across[k] = across + link.centre_m() * std::cos(angle);
       paths[i].up[k] = up + link.centre_m() * std::sin(angle);

@@ -10,6 +10,7 @@
 #include "experiments/all.hpp"
 #include "experiments/parts.hpp"
 #include "measure/cartesian_trace.hpp"
+#include "model/generate.hpp"
 
 namespace odeval::experiments {
 namespace {
@@ -35,16 +36,19 @@ double apart(const Trace& a, const Trace& b) {
 
 /// The rates after one step of a method from a state.
 std::vector<double> one_step(Scenario scenario, const Trace& from, std::size_t row, std::string_view method) {
-  for (std::size_t i = 0; i < from.q.size(); ++i) {
-    scenario.q0[i] = from.q[i][row];
-    scenario.qd0[i] = from.qd[i][row];
-  }
+  change_planar(scenario, [&](PlanarView& view) {
+    for (std::size_t i = 0; i < from.q.size(); ++i) {
+      view.q0[i] = from.q[i][row];
+      view.qd0[i] = from.qd[i][row];
+    }
+  });
   scenario.sample_s.reset();
   scenario.duration_s = scenario.step_s;
   const SampleGrid grid = sample_grid(scenario);
-  Rows rows(scenario.links.size() * body_numbers + 1, static_cast<std::size_t>(grid.rows));
-  available(method)->make(scenario, grid)->run(&rows);
-  const Trace trace = cartesian_trace(scenario, grid, rows);
+  const std::unique_ptr<Simulation> simulation = available(method)->make(scenario, grid);
+  Motion motion(simulation->shape(), static_cast<std::size_t>(grid.rows));
+  simulation->run(Recorder(motion));
+  const Trace trace = cartesian_trace(scenario, grid, motion);
   std::vector<double> rates;
   for (const Column& column : trace.qd) rates.push_back(column.back());
   return rates;
@@ -139,7 +143,7 @@ Content error_sources(Laboratory& laboratory, Findings& findings) {
   }
   Content content;
   content.values = {{"until", until_s},
-                    {"links", laboratory.scenario("chain").links.size()},
+                    {"links", laboratory.scenario("chain").planar->links.size()},
                     {"step", laboratory.scenario("chain").step_s},
                     {"erp", laboratory.scenario("chain").ode.erp},
                     {"cfm", laboratory.scenario("chain").ode.cfm},

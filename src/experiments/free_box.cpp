@@ -30,8 +30,8 @@ constexpr Case cases[] = {{"simple", false}, {"tumbling", true}};
 Scenario scenario_of(const Case& which, Scenario scenario, double step_s) {
   if (!which.tumbles) {
     scenario.gravity = 0;
-    scenario.bodies[0].velocity_m_s = {-0.9, 0.4, 0.1};
-    scenario.bodies[0].spin_rad_s = {0.5, 0, 0};
+    scenario.mechanism.bodies[0].velocity_m_s = {-0.9, 0.4, 0.1};
+    scenario.mechanism.bodies[0].spin_rad_s = {0.5, 0, 0};
   }
   scenario.step_s = step_s;
   scenario.sample_s = spacing_s;
@@ -44,7 +44,7 @@ struct Scales {
   double energy = 0;
 };
 Scales scales_of(const Body& body) {
-  const Vec3 moments = body.inertia_kgm2();  // the body starts in the world's axes
+  const Vec3 moments = body.uniform_moments_kgm2();  // the body starts in the world's axes
   Scales scales{0, body.mass_kg * dot(body.velocity_m_s, body.velocity_m_s) / 2};
   for (std::size_t k = 0; k < 3; ++k) {
     const double angular = moments[k] * body.spin_rad_s[k];
@@ -75,7 +75,7 @@ Content free_box(Laboratory& laboratory, Findings& findings) {
       Evaluator evaluator(scenario_of(which, file, step_s));
       const Scenario& scenario = evaluator.scenario();
       const double law = scenario.gravity * step_s * scenario.duration_s / 2;
-      const Scales scales = scales_of(scenario.bodies[0]);
+      const Scales scales = scales_of(scenario.mechanism.bodies[0]);
       for (const char* name : measured_methods) {
         const catalogue::Method* const method = available(name);
         if (method == nullptr) {

@@ -4,6 +4,7 @@
 
 #include "experiments/all.hpp"
 #include "experiments/parts.hpp"
+#include "model/generate.hpp"
 
 namespace odeval::experiments {
 namespace {
@@ -42,13 +43,17 @@ struct Slide {
   double uncertainty = 0;  // m
 };
 
+Friction& friction_of(Scenario& scenario) { return scenario.mechanism.contacts.front().friction.value(); }
+double coefficient(const Scenario& scenario) { return scenario.mechanism.contacts.front().friction.value().limit; }
+
 Slide slide(Scenario scenario, const Case& how, double direction_deg) {
-  const Body& box = scenario.bodies.front();
+  const Body& box = scenario.mechanism.bodies.front();
   const double direction = direction_deg * pi / 180;
   const double speed = std::sqrt(dot(box.velocity_m_s, box.velocity_m_s));
-  scenario.bodies.front().velocity_m_s = {speed * std::cos(direction), speed * std::sin(direction), 0};
-  if (how.model == FrictionModel::constant) scenario.ground->friction *= box.mass_kg * scenario.gravity;
-  scenario.ground->friction_model = how.model;
+  scenario.mechanism.bodies.front().velocity_m_s = {speed * std::cos(direction), speed * std::sin(direction), 0};
+  Friction& friction = friction_of(scenario);
+  if (how.model == FrictionModel::constant) friction.limit *= box.mass_kg * scenario.gravity;
+  friction.model = how.model;
   scenario.ode.friction_axes = how.axes;
   Evaluator evaluator(scenario);
   const Evaluation run = evaluator.evaluate(*available(how.method));
@@ -71,12 +76,12 @@ Slide slide(Scenario scenario, const Case& how, double direction_deg) {
 /// How far a box slips in the scenario's time, from rest on a slope of so much of the angle of friction.
 double slips(const Scenario& level, std::string_view method, double part) {
   Scenario scenario = level;
-  const double slope = std::atan(level.ground->friction * part);
-  scenario.ground->slope_rad = slope;
-  const double half = level.bodies.front().size_m[2] / 2;
-  Body& box = scenario.bodies.front();
+  const double slope = std::atan(coefficient(level) * part);
+  set_slope(scenario, slope);
+  const double half = sides_m(level.mechanism.bodies.front().shape)[2] / 2;
+  Body& box = scenario.mechanism.bodies.front();
   box.position_m = {half * std::sin(slope), 0, half * std::cos(slope)};
-  box.turn_rad = {0, slope, 0};
+  box.attitude = Vec3{0, slope, 0};
   box.velocity_m_s = {};
   Evaluator evaluator(scenario);
   const Evaluation run = evaluator.evaluate(*available(method));
@@ -88,8 +93,8 @@ report::Table threshold(const Scenario& scenario) {
   report::Table table{
       .name = "friction-threshold",
       .columns = {"method", "way at 99 % of the angle of friction, m", "at 101 %, m", "Coulomb's at 101 %, m"}};
-  const double slope = std::atan(1.01 * scenario.ground->friction);
-  const double net = scenario.gravity * (std::sin(slope) - scenario.ground->friction * std::cos(slope));
+  const double slope = std::atan(1.01 * coefficient(scenario));
+  const double net = scenario.gravity * (std::sin(slope) - coefficient(scenario) * std::cos(slope));
   for (const char* method : {"ode-step-double", "ode-step-single", "ode-quickstep-double", "ode-quickstep-single"}) {
     const auto cell = [&](double part) -> Cell {
       if (available(method) == nullptr) return report::Missing{"not in this build"};
@@ -148,9 +153,9 @@ Content friction(Laboratory& laboratory, Findings& findings) {
   figure.panels = {std::move(ways), std::move(turns)};
   Content content;
   content.values = {{"held_for", scenario.duration_s},
-                    {"friction", scenario.ground->friction},
-                    {"mass", scenario.bodies[0].mass_kg},
-                    {"speed", std::sqrt(dot(scenario.bodies[0].velocity_m_s, scenario.bodies[0].velocity_m_s))},
+                    {"friction", coefficient(scenario)},
+                    {"mass", scenario.mechanism.bodies[0].mass_kg},
+                    {"speed", std::sqrt(dot(scenario.mechanism.bodies[0].velocity_m_s, scenario.mechanism.bodies[0].velocity_m_s))},
                     {"step", scenario.step_s}};
   content.exhibits.emplace_back(std::move(figure));
   content.exhibits.emplace_back(std::move(table));

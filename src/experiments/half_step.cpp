@@ -10,6 +10,7 @@
 #include "measure/order.hpp"
 #include "measure/spread.hpp"
 #include "measure/time_shift.hpp"
+#include "model/generate.hpp"
 
 namespace odeval::experiments {
 namespace {
@@ -46,7 +47,7 @@ Scenario short_run(const Scenario& file, const Case& which, double step_s) {
   Scenario scenario = file;
   scenario.step_s = step_s;
   scenario.duration_s = until_s + 5 * step_s;  // room for shifts at the end
-  if (!which.qd0.empty()) scenario.qd0 = which.qd0;
+  if (!which.qd0.empty()) change_planar(scenario, [&](PlanarView& view) { view.qd0 = which.qd0; });
   return scenario;
 }
 

@@ -29,7 +29,7 @@ constexpr double best_settings_steps_a_row[] = {40,
 double cpu_time(const Accuracy& accuracy, const Method& method, double setting) {
   const auto simulation = accuracy.at(method, setting).make(method);
   const double start = catalogue::cpu_seconds();
-  simulation->run(nullptr);
+  simulation->run(Recorder());
   return catalogue::cpu_seconds() - start;
 }
 
@@ -40,7 +40,7 @@ std::string setting_of(const Method& method, double setting) {
 }
 
 double most_steps_of(const Method& method) {
-  if (method.coordinates != Coordinates::cartesian) return most_steps_generalized;
+  if (method.inverts == SystemMatrix::mass_matrix) return most_steps_generalized;
   return most_steps_cartesian / (method.order == 1 ? 2 : 1);
 }
 
@@ -110,7 +110,7 @@ Content iftomm(Laboratory& laboratory, Findings& findings) {
                       .columns = {"method", "within 0.1 rad, CPU s", "with", "within 0.001 rad, CPU s", "with"}};
   report::Panel panel{.x_label = "steps", .y_label = "largest angle error, rad", .log_x = true, .log_y = true};
   for (const Method& method : catalogue::methods()) {
-    if (!method.claims(*scenario.problem)) continue;
+    if (!catalogue::does(method, scenario)) continue;
     std::vector<Cell> row{std::string(method.name)};
     if (method.make == nullptr || method.name == "lagrange-quad") {
       const std::string why = method.make == nullptr ? "left out of this build" : "not tried: it takes minutes";

@@ -88,7 +88,7 @@ void add_orders(Findings& findings, const std::vector<Measured>& all) {
     const std::string name(one.method->name);
     const std::string meaning = "observed order of " + name;
     if (one.points.empty()) {
-      findings.add("order." + name, unavailable(meaning, "", std::string(catalogue::why_missing)));
+      findings.add("order." + name, unavailable(meaning, "", std::string(catalogue::without_single_precision)));
     } else if (const auto observed = settled_order(one.points)) {
       findings.add("order." + name, measured(meaning, "", observed->order, observed->half_width));
     } else {
@@ -123,7 +123,7 @@ report::Table orders(const std::vector<Measured>& all) {
   for (const Measured& one : all) {
     const std::string name(one.method->name);
     std::vector<Cell> row{name, static_cast<double>(one.method->order)};
-    const char* const why = one.points.empty() ? catalogue::why_missing.data() : not_settled;
+    const char* const why = one.points.empty() ? catalogue::without_single_precision.data() : not_settled;
     const auto settled = settled_order(one.points);
     add_cells(row, settled, why);
     if (settled) {
@@ -132,7 +132,7 @@ report::Table orders(const std::vector<Measured>& all) {
       row.insert(row.end(), 3, Missing{why});
     }
     for (const Range& range : ranges) {
-      add_cells(row, order_in(one.points, range), one.points.empty() ? catalogue::why_missing.data() : few_points);
+      add_cells(row, order_in(one.points, range), one.points.empty() ? catalogue::without_single_precision.data() : few_points);
     }
     table.rows.push_back(std::move(row));
   }
@@ -169,7 +169,7 @@ Content order(Laboratory& laboratory, Findings& findings) {
   const catalogue::Accuracy accuracy(file, until_s);
   std::vector<Measured> all;
   for (const catalogue::Method& method : catalogue::methods()) {
-    if (method.order == 0 || !method.claims(*file.problem)) continue;
+    if (method.order == 0 || !catalogue::does(method, file)) continue;
     all.push_back({&method, {}});
     if (method.make != nullptr) all.back().points = errors_of(method, accuracy);
   }

@@ -1,4 +1,5 @@
 #include "experiments/parts.hpp"
+#include "model/generate.hpp"
 
 #include <fmt/format.h>
 
@@ -117,7 +118,7 @@ report::Cell finite_cell(const std::optional<double>& number) {
 }
 
 std::vector<report::Cell> row_left_out(std::vector<report::Cell> known, std::size_t columns) {
-  known.resize(columns, report::Missing{std::string(catalogue::why_missing)});
+  known.resize(columns, report::Missing{std::string(catalogue::without_single_precision)});
   return known;
 }
 
@@ -126,7 +127,7 @@ std::string left_out(const std::vector<std::string>& methods) {
   for (const std::string& name : methods) {
     if (available(name) == nullptr) missing += (missing.empty() ? "" : ", ") + name;
   }
-  return missing.empty() ? "" : fmt::format("{} ({})", missing, catalogue::why_missing);
+  return missing.empty() ? "" : fmt::format("{} ({})", missing, catalogue::without_single_precision);
 }
 
 double error_until(Evaluator& evaluator, const Evaluation& run, double until_s) {
@@ -154,10 +155,11 @@ OdeSettings half_step_started(OdeSettings settings) {
 
 Scenario chain_of(const Scenario& file, std::size_t n, double until_s) {
   Scenario scenario = file;
-  scenario.n = static_cast<int>(n);
-  scenario.links.resize(n, file.links.front());
-  scenario.q0.resize(n, 0.0);
-  scenario.qd0.resize(n, 0.0);
+  change_planar(scenario, [n](PlanarView& view) {
+    view.links.resize(n, Link(view.links.front()));
+    view.q0.resize(n, 0.0);
+    view.qd0.resize(n, 0.0);
+  });
   scenario.duration_s = until_s;
   scenario.sample_s = chain_rows_s;
   return scenario;

@@ -6,6 +6,7 @@
 
 #include "experiments/all.hpp"
 #include "experiments/parts.hpp"
+#include "model/generate.hpp"
 
 namespace odeval::experiments {
 namespace {
@@ -22,10 +23,10 @@ constexpr double thinnest_m = 1e-4;
 /// The times at which balls as small as a scenario may have would touch: how near the spheres are to points.
 double off_points(const Scenario& file, const Reference& spheres) {
   Scenario points = file;
-  for (Link& link : points.links) {
-    points.wall->face_m = file.wall->face_m + (file.links[0].width_m - thinnest_m) / 2;
-    link.width_m = link.depth_m = thinnest_m;
-  }
+  change_planar(points, [](PlanarView& view) {
+    view.wall->face_m += (view.links[0].width_m - thinnest_m) / 2;
+    for (Link& link : view.links) link.width_m = link.depth_m = thinnest_m;
+  });
   Evaluator evaluator(points);
   const Reference& reference = evaluator.reference();
   if (reference.impacts.size() != spheres.impacts.size()) return NAN;
@@ -73,7 +74,7 @@ Content potra(Laboratory& laboratory, Findings& findings) {
   findings.add("potra.spheres_off_points",
                measured(fmt::format("largest change of an impact's time when spheres of {} m stand for the points "
                                     "instead of spheres of {} m",
-                                    evaluator.scenario().links[0].width_m, thinnest_m),
+                                    evaluator.scenario().planar->links[0].width_m, thinnest_m),
                         "s", spheres));
 
   report::Panel errors{.x_label = "t, s", .y_label = "error, rad", .log_y = true};
@@ -92,7 +93,7 @@ Content potra(Laboratory& laboratory, Findings& findings) {
   report::Figure figure{.name = "potra-figure", .columns = 2};
   figure.panels = {std::move(errors), std::move(distance)};
   Content content;
-  content.values = {{"sphere", evaluator.scenario().links[0].width_m}, {"late_steps", shown(worst[0] / step_s)}};
+  content.values = {{"sphere", evaluator.scenario().planar->links[0].width_m}, {"late_steps", shown(worst[0] / step_s)}};
   content.exhibits.emplace_back(std::move(figure));
   content.exhibits.emplace_back(std::move(table));
   return content;

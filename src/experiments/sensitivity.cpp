@@ -5,6 +5,7 @@
 
 #include "experiments/all.hpp"
 #include "experiments/parts.hpp"
+#include "model/generate.hpp"
 #include "reference/reference_solution.hpp"
 #include "reference/sensitivity.hpp"
 
@@ -24,7 +25,9 @@ Content sensitivity(Laboratory& laboratory, Findings& findings) {
   const Reference& reference = evaluator.reference();
   const Column& t = reference.trace.t;
   Scenario perturbed = evaluator.scenario();
-  for (double& q : perturbed.q0) q += delta_rad;
+  change_planar(perturbed, [](PlanarView& view) {
+    for (double& q : view.q0) q += delta_rad;
+  });
   const Reference other = reference::solve_reference(perturbed, evaluator.grid());
   const reference::Sensitivity motion = reference::solve_sensitivity(evaluator.scenario(), evaluator.grid());
 

@@ -33,7 +33,7 @@ constexpr Damping dampings[] = {{"a tenth of critical", 0.1}, {"critical", 1}, {
 /// The largest difference of the body from the law of its steps, of its largest displacement.
 double off_the_law(const Scenario& scenario, const Trace& trace) {
   const Softness softness = scenario.ode.softness(scenario.step_s);
-  const Body& body = scenario.bodies.front();
+  const Body& body = scenario.mechanism.bodies.front();
   double largest = 0;
   double reach = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -52,15 +52,17 @@ double off_the_law(const Scenario& scenario, const Trace& trace) {
 /// Every kind of joint, gravity and softness; returns the worst.
 double measure_law(const Scenario& file, report::Table& table, Panel& gaps) {
   double worst = 0;
-  for (const Joint::Kind kind : {Joint::Kind::ball, Joint::Kind::hinge}) {
-    const char* const kind_name = kind == Joint::Kind::ball ? "ball" : "hinge";
+  const Vec3 anchor = anchor_m(file.mechanism.joints.front().kind);
+  for (const JointKind& kind : {JointKind(BallJoint{anchor}), JointKind(HingeJoint{anchor})}) {
+    const bool ball = std::holds_alternative<BallJoint>(kind);
+    const char* const kind_name = ball ? "ball" : "hinge";
     for (const double gravity : {0.0, file.gravity}) {
       for (const Softness softness : {Softness{0.2, 0}, Softness{0.8, 0}, Softness{0.2, 1e-5}, Softness{0.2, 1e-2},
                                       file.ode.softness(file.step_s)}) {
         Scenario scenario = file;
         scenario.duration_s = law_s;
         scenario.gravity = gravity;
-        scenario.joint->kind = kind;
+        scenario.mechanism.joints.front().kind = kind;
         scenario.ode.spring.reset();
         scenario.ode.erp = softness.erp;
         scenario.ode.cfm = softness.cfm;
@@ -68,7 +70,7 @@ double measure_law(const Scenario& file, report::Table& table, Panel& gaps) {
         const double off = off_the_law(scenario, run.trace);
         worst = std::max(worst, off);
         table.rows.push_back({std::string(kind_name), gravity, softness.erp, softness.cfm, run.trace.gap.back(), off});
-        if (kind != Joint::Kind::ball || gravity != 0) continue;
+        if (!ball || gravity != 0) continue;
         const std::size_t first = std::min<std::size_t>(run.trace.rows(), 101);
         Column steps(first);
         for (std::size_t k = 0; k < first; ++k) steps[k] = static_cast<double>(k);
@@ -82,7 +84,7 @@ double measure_law(const Scenario& file, report::Table& table, Panel& gaps) {
 
 Scenario damped(const Scenario& file, double ratio) {
   Scenario scenario = file;
-  const double mass = scenario.bodies.front().mass_kg;
+  const double mass = scenario.mechanism.bodies.front().mass_kg;
   scenario.ode.spring->kd_Ns_m = ratio * 2 * std::sqrt(mass * scenario.ode.spring->kp_N_m);
   return scenario;
 }

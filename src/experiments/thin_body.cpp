@@ -5,6 +5,7 @@
 
 #include "experiments/all.hpp"
 #include "experiments/parts.hpp"
+#include "model/generate.hpp"
 #include "reference/bodies/gyroscopic_rounding.hpp"
 
 namespace odeval::experiments {
@@ -26,28 +27,29 @@ constexpr const char* thin_methods[] = {"ode-step-single", "ode-step-double", "o
 const char* word(bool gyroscopic) { return gyroscopic ? "on" : "off"; }
 
 double own_spin(const Scenario& scenario) {
-  const Vec3& spin = scenario.bodies[0].spin_rad_s;
+  const Vec3& spin = scenario.mechanism.bodies[0].spin_rad_s;
   return std::sqrt(dot(spin, spin));
 }
 
 /// The scenario's box, a metre long, with another aspect ratio.
 Scenario thinner(Scenario scenario, double aspect) {
-  Body& body = scenario.bodies[0];
-  body.size_m[0] = body.size_m[1] = body.size_m[2] / aspect;
-  body.aspect = aspect;
+  Body& body = scenario.mechanism.bodies[0];
+  const double length = sides_m(body.shape)[2];
+  body.shape = Box{{length / aspect, length / aspect, length}};
   scenario.sample_s = spacing_s;
   return scenario;
 }
 
 /// The same with a spin about its length as well.
 Scenario spinning(Scenario scenario, double along_rad_s) {
-  const std::size_t axis = scenario.bodies[0].long_axis();
+  const std::size_t axis = scenario.mechanism.bodies[0].long_axis();
   SampleGrid start = sample_grid(scenario);
   start.rows = 1;
-  Rows rows(body_numbers + 1, 1);
-  available("analytic")->make(scenario, start)->run(&rows);
-  const double* const rotation = rows.row(0) + 3;
-  for (std::size_t k = 0; k < 3; ++k) scenario.bodies[0].spin_rad_s[k] += along_rad_s * rotation[3 * k + axis];
+  const std::unique_ptr<Simulation> still = available("analytic")->make(scenario, start);
+  Motion motion(still->shape(), 1);
+  still->run(Recorder(motion));
+  Vec3& spin = scenario.mechanism.bodies[0].spin_rad_s;
+  spin = spin + along_rad_s * axis_of(motion[0].bodies[0].rotation, axis);
   return scenario;
 }
 
@@ -69,7 +71,7 @@ void add_finding(Findings& findings, const std::string& precision, const Metrics
       "spin that a free box 1:{} without any takes up about its length in 10 s, over its own spin, {} precision",
       judged_aspect, precision);
   if (metrics == nullptr) {
-    findings.add(name, unavailable(meaning, "", std::string(catalogue::why_missing)));
+    findings.add(name, unavailable(meaning, "", std::string(catalogue::without_single_precision)));
     return;
   }
   findings.add(name, measured(meaning, "", *metrics->max_long_axis_spin / own, *metrics->spin_uncertainty / own));
@@ -81,7 +83,7 @@ SpinUp spin_up(const Scenario& file, Findings& findings) {
   for (const double aspect : aspects) {
     Evaluator evaluator(thinner(file, aspect));
     const Scenario& scenario = evaluator.scenario();
-    const Vec3 moments = scenario.bodies[0].inertia_kgm2();
+    const Vec3 moments = scenario.mechanism.bodies[0].uniform_moments_kgm2();
     const double own = own_spin(scenario);
     for (const char* name : thin_methods) {
       const catalogue::Method* const method = available(name);
@@ -156,12 +158,12 @@ report::Table orders_of_operations(const Scenario& file) {
   for (const double aspect : {10.0, 30.0, 100.0, 300.0, 1000.0}) {
     Evaluator evaluator(thinner(file, aspect));
     const Scenario& scenario = evaluator.scenario();
-    std::vector<Cell> row{fmt::format("{}", aspect), report::Missing{std::string(catalogue::why_missing)}};
+    std::vector<Cell> row{fmt::format("{}", aspect), report::Missing{std::string(catalogue::without_single_precision)}};
     if (single != nullptr) {
       row[1] = finite_cell(evaluator.measure(evaluator.evaluate(*single), scenario.duration_s).max_long_axis_spin);
     }
     for (const GyroscopicForm form : {GyroscopicForm::as_ode, GyroscopicForm::solved, GyroscopicForm::in_body_frame}) {
-      row.push_back(finite_cell(reference::long_axis_spin_in_single(scenario.bodies[0], scenario.step_s,
+      row.push_back(finite_cell(reference::long_axis_spin_in_single(scenario.mechanism.bodies[0], scenario.step_s,
                                                                     sample_grid(scenario).steps(), form)));
     }
     table.rows.push_back(std::move(row));
@@ -180,7 +182,9 @@ report::Table thin_links(Laboratory& laboratory) {
       Scenario scenario = laboratory.scenario(name);
       scenario.duration_s = swing_s;
       scenario.sample_s = spacing_s;
-      for (Link& link : scenario.links) link.width_m = link.depth_m = link.length_m / aspect;
+      change_planar(scenario, [aspect = aspect](PlanarView& view) {
+        for (Link& link : view.links) link.width_m = link.depth_m = link.length_m / aspect;
+      });
       Evaluator evaluator(scenario);
       for (const char* method_name : thin_methods) {
         const catalogue::Method* const method = available(method_name);

@@ -84,10 +84,10 @@ Content wall_pendulum(Laboratory& laboratory, Findings&) {
     if (const Evaluation* const run = laboratory.run(scenario_name, name)) runs.push_back(run);
   }
   Content content;
-  content.values = {{"length", scenario.links.front().length_m},
-                    {"hinge", scenario.problem->frame.hinge_m[0]},
-                    {"face", scenario.wall->face_m},
-                    {"restitution", scenario.wall->restitution},
+  content.values = {{"length", scenario.planar->links.front().length_m},
+                    {"hinge", scenario.planar->frame.hinge_m[0]},
+                    {"face", scenario.planar->wall->face_m},
+                    {"restitution", scenario.planar->wall->restitution},
                     {"left_out", left_out(scenario.methods)}};
   content.exhibits.emplace_back(traces(evaluator, runs));
   content.exhibits.emplace_back(impacts(evaluator, runs));

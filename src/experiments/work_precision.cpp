@@ -35,7 +35,7 @@ struct Point {
 /// From coarse to fine.
 std::vector<double> settings_of(const Method& method, const Accuracy& accuracy, double until_s) {
   std::vector<double> settings;
-  switch (knob_of(method)) {
+  switch (catalogue::knob_of(method)) {
     case Knob::step:
       for (const long n : steps_a_row) {
         const double step_s = accuracy.row_spacing_s() / static_cast<double>(n);
@@ -53,7 +53,7 @@ std::vector<double> settings_of(const Method& method, const Accuracy& accuracy, 
 }
 
 std::string setting_text(const Point& point) {
-  const std::string_view name = knob_name(knob_of(*point.method));
+  const std::string_view name = catalogue::knob_name(catalogue::knob_of(*point.method));
   return name.empty() ? "-" : fmt::format("{} = {:.3g}", name, point.trial.setting);
 }
 
@@ -137,7 +137,7 @@ Content work_precision(Laboratory& laboratory, Findings&) {
   std::vector<const Method*> methods;
   std::vector<std::string> claiming;
   for (const Method& method : catalogue::methods()) {
-    if (!method.claims(*file.problem)) continue;
+    if (!catalogue::does(method, file)) continue;
     claiming.emplace_back(method.name);
     if (method.make != nullptr) methods.push_back(&method);
   }

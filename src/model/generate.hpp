@@ -38,6 +38,9 @@ void put_bodies(Scenario& scenario, const Description& description);
 /// A plane through the origin that falls towards +x by so much.
 HalfSpace sloping(double slope_rad);
 
+/// The scenario's ground falls by another slope; impacts are told along it.
+void set_slope(Scenario& scenario, double slope_rad);
+
 /// What the file said of the mechanism, completed.
 Definition definition_of(const Description& description);
 

@@ -39,6 +39,12 @@ void put_ground(Scenario& scenario, const GroundTable& table, bool friction) {
 
 HalfSpace sloping(double slope_rad) { return {{std::sin(slope_rad), 0, std::cos(slope_rad)}, 0}; }
 
+void set_slope(Scenario& scenario, double slope_rad) {
+  const HalfSpace plane = sloping(slope_rad);
+  scenario.mechanism.obstacles.front().shape = plane;
+  scenario.impact_views.front().normal = plane.normal;
+}
+
 void put_bodies(Scenario& scenario, const Description& description) {
   scenario.mechanism = {};
   scenario.impact_views.clear();
