@@ -76,15 +76,15 @@ int main(int argc, char** argv) {
 
     const auto stepper = evaluator.make(method);
     start = cpu_seconds();
-    stepper->run(nullptr);
+    stepper->run(odeval::Recorder());
     const double stepping_s = cpu_seconds() - start;
 
     const auto recorder = evaluator.make(method);
-    odeval::Rows rows(scenario.links.size() * odeval::body_numbers + 1, static_cast<std::size_t>(grid.rows));
+    odeval::Motion motion(recorder->shape(), static_cast<std::size_t>(grid.rows));
     start = cpu_seconds();
-    recorder->run(&rows);
+    recorder->run(odeval::Recorder(motion));
     const double recording_s = cpu_seconds() - start;
-    harness_height = rows.row(rows.count() - 1)[odeval::body_numbers + 2];
+    harness_height = motion[motion.size() - 1].bodies[1].position[2];
 
     const double command_s = command_seconds(program, out);
     if (round < 0) continue;
