@@ -29,13 +29,15 @@ class Metrics {
   std::array<std::optional<double>, quantity::count> values_;
 };
 
-/// What the reference may be off by in that quantity; empty when it is no error against the reference.
+/// What the reference may be off by in that quantity, in its unit; empty when it is no error against the reference, or
+/// the reference has no bound on it.
 inline std::optional<double> uncertainty_of(quantity::Id id, const Metrics& metrics) {
   const std::optional<quantity::Id> bound = quantities[id].uncertainty;
   return bound ? metrics[*bound] : std::nullopt;
 }
 
-/// Whether the run stands beside a reference in that scope: an error in it is known, and so is its bound.
+/// Whether the run stands beside a reference in that scope: an error in it is known, and so is its bound. Tells a run
+/// that has angles from one of bodies in space; links in Cartesian coordinates have errors of bodies, but no bounds.
 inline bool compared(const Metrics& metrics, Scope scope) {
   return std::ranges::any_of(quantities, [&](const Quantity& row) {
     return row.scope == scope && metrics[row.id] && uncertainty_of(row.id, metrics);

@@ -8,7 +8,8 @@ std::size_t rows_until(const Column& t, double until_s) {
   return static_cast<std::size_t>(std::upper_bound(t.begin(), t.end(), until_s + rounding_s) - t.begin());
 }
 
-/// The first sample that the reference does not know to the angle of divergence: nobody can tell who is lost from there.
+/// The first sample that the reference does not know to the angle of divergence: nobody can tell who is lost from
+/// there.
 std::optional<double> reference_lost_at(const Measurement& of) {
   if (!of.has_angle_errors()) return std::nullopt;
   const Column& known_to = of.reference->uncertainty_q;
@@ -41,8 +42,7 @@ std::optional<TimeShift> fitted_shift(const Measurement& of) {
   const double spacing_s = t[1] - t[0];
   const double most_s = rows_searched * spacing_s;
   const double before_impact_s = first_impact(of.trace, *of.reference) - (rows_searched + 1) * spacing_s;
-  const auto shift =
-      best_time_shift(of.trace, of.reference->trace, std::min(t[of.rows - 1], before_impact_s), most_s);
+  const auto shift = best_time_shift(of.trace, of.reference->trace, std::min(t[of.rows - 1], before_impact_s), most_s);
   return shift && std::fabs(shift->shift_s) < most_s ? shift : std::nullopt;
 }
 

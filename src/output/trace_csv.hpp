@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "odeval/trace.hpp"
-#include "odeval/trace_columns.hpp"
+#include "output/trace_columns.hpp"
 
 namespace odeval {
 

@@ -7,9 +7,11 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <iterator>
 #include <set>
 #include <sstream>
 
+#include "catalogue/evaluation.hpp"
 #include "cli/commands.hpp"
 #include "cli/settings.hpp"
 #include "measure/metrics.hpp"
@@ -18,7 +20,6 @@
 #include "output/summary.hpp"
 #include "output/sweep_table.hpp"
 #include "tests/check.hpp"
-#include "tests/scenarios.hpp"
 
 namespace {
 
@@ -115,15 +116,18 @@ void every_quantity_may_be_limited(const fs::path& folder) {
   }
 }
 
-// Each is taken by its own function from some run: of links, of falling boxes, of a ball on a ground.
+// Each has a value in some run: of links that get lost, of boxes in flight, sliding to rest and on a spring.
 void every_quantity_is_taken() {
   std::set<quantity::Id> taken;
-  for (const char* name : {"double_pendulum", "thin_body", "friction_slide"}) {
-    catalogue::Evaluator evaluator(test::report_scenario(name, 1, 1e-2));
+  for (const char* name : {"double_pendulum", "thin_body", "friction_slide", "spring_joint"}) {
+    const fs::path file = fs::path(ODEVAL_SOURCE_DIR) / "scenarios" / (std::string(name) + ".toml");
+    catalogue::Evaluator evaluator(read_scenario(file, {{"step", "0.005", "--set"}}, cli::known_names()));
     const auto run = evaluator.evaluate(catalogue::find_method("ode-step-double"));
-    const Metrics metrics = evaluator.measure(run, 1);
-    for (const Quantity& row : quantities) {
-      if (metrics[row.id]) taken.insert(row.id);
+    for (const double until_s : {1.0, evaluator.scenario().duration_s}) {
+      const Metrics metrics = evaluator.measure(run, until_s);
+      for (const Quantity& row : quantities) {
+        if (metrics[row.id]) taken.insert(row.id);
+      }
     }
   }
   for (const Quantity& row : quantities) {
