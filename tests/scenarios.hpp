@@ -54,7 +54,7 @@ inline Scenario report_scenario(std::string_view name, double duration_s, double
 inline double angle_error(const Scenario& scenario, std::string_view method) {
   catalogue::Evaluator evaluator(scenario);
   const catalogue::Evaluation run = evaluator.evaluate(catalogue::find_method(method));
-  return evaluator.measure(run, scenario.duration_s).max_error_q.value();
+  return evaluator.measure(run, scenario.duration_s)[quantity::max_error_q].value();
 }
 
 inline bool in_this_build(std::string_view method) {

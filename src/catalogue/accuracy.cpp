@@ -90,7 +90,7 @@ Trial Accuracy::try_setting(const Method& method, double setting) const {
   try {
     Evaluator evaluator = at(method, setting);
     const Evaluation run = evaluator.evaluate(method);
-    trial.error = *evaluator.measure(run, scenario_.duration_s).max_error_q;
+    trial.error = *evaluator.measure(run, scenario_.duration_s)[quantity::max_error_q];
     trial.steps = run.outcome.steps;
     trial.evaluations = run.outcome.evaluations;
   } catch (const MachineError&) {  // CVODE gave up at a tolerance it cannot keep

@@ -55,7 +55,7 @@ std::vector<Listing> listings() {
         {std::string(method.name), std::string(method.formulation) + ": " + std::string(method.advanced_by) + missing});
   }
   Listing metrics{"metrics", {}};
-  for (const auto& row : metric_table()) {
+  for (const Quantity& row : quantities) {
     const std::string unit = row.unit.empty() ? "" : ", " + std::string(row.unit);
     metrics.rows.push_back({std::string(row.name), std::string(row.meaning) + unit});
   }

@@ -211,9 +211,9 @@ class Search {
     const catalogue::Evaluation done = candidate.evaluator->evaluate(*candidate.method);
     const SampleGrid& rows = candidate.evaluator->grid();
     const Metrics metrics = candidate.evaluator->measure(done, rows.time(rows.rows - 1));
-    candidate.error = metrics.max_error_q.value_or(std::numeric_limits<double>::infinity());
-    candidate.uncertainty = metrics.reference_uncertainty.value_or(0);
-    candidate.drift = metrics.max_energy_drift;
+    candidate.error = metrics[quantity::max_error_q].value_or(std::numeric_limits<double>::infinity());
+    candidate.uncertainty = metrics[quantity::reference_uncertainty].value_or(0);
+    candidate.drift = *metrics[quantity::max_energy_drift];
     candidate.steps = done.outcome.steps;
   }
 

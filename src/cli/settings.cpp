@@ -161,7 +161,7 @@ std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::stri
 
 Names known_names() {
   Names names{catalogue::method_names(), {}};
-  for (const auto& row : metric_table()) names.metrics.emplace_back(row.name);
+  for (const Quantity& row : quantities) names.metrics.emplace_back(row.name);
   return names;
 }
 

@@ -30,13 +30,11 @@ using sweep::Point;
 using sweep::Row;
 using sweep::Status;
 
-/// Metrics of which less is better.
+/// Quantities of which less is better, in size.
 std::vector<std::string> error_metrics() {
   std::vector<std::string> names;
-  for (const MetricRow& row : metric_table()) {
-    if (row.name.starts_with("max_") || row.name.starts_with("rms_") || row.name.starts_with("final_")) {
-      names.emplace_back(row.name);
-    }
+  for (const Quantity& row : quantities) {
+    if (row.direction == Direction::less || row.direction == Direction::nearer_zero) names.emplace_back(row.name);
   }
   return names;
 }
@@ -45,9 +43,8 @@ std::vector<std::string> error_metrics() {
 class ErrorOf {
  public:
   ErrorOf(const Head& head, const std::string& metric) : error_(place(head, metric)) {
-    const auto table = metric_table();
-    const auto row = std::ranges::find_if(table, [&](const MetricRow& r) { return r.name == metric; });
-    if (!row->uncertainty.empty()) uncertainty_ = place(head, std::string(row->uncertainty));
+    const std::optional<quantity::Id> bound = quantity_named(metric)->uncertainty;
+    if (bound) uncertainty_ = place(head, std::string(quantities[*bound].name));
   }
 
   double value(const Row& row) const { return std::fabs(number_in(row.cells, error_)); }
@@ -117,21 +114,19 @@ std::vector<Point> write_tables(const Journal& journal, const fs::path& stem, co
 
 /// The first error of the table that any run has; all have an energy.
 std::string first_error(const Journal& journal) {
-  const auto table = metric_table();
-  for (const MetricRow& metric : table) {
-    if (metric.uncertainty.empty()) continue;
+  for (const Quantity& metric : quantities) {
+    if (!metric.uncertainty) continue;
     const ErrorOf error(journal.head(), std::string(metric.name));
     for (long run = 0; run < journal.runs(); ++run) {
       if (journal.has(run) && std::isfinite(error.value(journal.row(run)))) return std::string(metric.name);
     }
   }
-  return "max_energy_drift";
+  return std::string(quantities[quantity::max_energy_drift].name);
 }
 
 std::string unit_of(const std::string& metric) {
-  const auto table = metric_table();
-  const auto row = std::ranges::find_if(table, [&](const MetricRow& r) { return r.name == metric; });
-  return row == table.end() || row->unit.empty() ? "" : ", " + std::string(row->unit);
+  const Quantity* const row = quantity_named(metric);
+  return row == nullptr || row->unit.empty() ? "" : ", " + std::string(row->unit);
 }
 
 std::string picture(const Journal& journal, const std::vector<Point>& points, const std::vector<Point>& front,
@@ -242,7 +237,8 @@ int answer(const Journal& journal, const fs::path& folder, const AnswerOptions& 
       std::cout << "\nno run that is ok has a " << metric << " of its own: there is no front\n";
     } else {
       std::cout << "\nthe least " << metric << " that a cost buys (Pareto front)\n\n" << table.text();
-      if (metric == "max_error_q" && error.value(journal.row(front.front().run)) > divergence_rad) {
+      if (metric == quantities[quantity::max_error_q].name &&
+          error.value(journal.row(front.front().run)) > divergence_rad) {
         std::cout << fmt::format(
             "\nErrors above {} rad say only that the motion was lost: a shorter --duration tells more.\n",
             divergence_rad);

@@ -86,7 +86,7 @@ Table losses(Evaluator& evaluator, const std::vector<const Evaluation*>& runs, c
     const bool itself = &run->trace == &ode45;
     table.rows.push_back({std::string(run->method->name), error_until(evaluator, *run, 1),
                           error_until(evaluator, *run, 3),
-                          whole.divergence_time ? Cell(*whole.divergence_time) : Cell("not lost"),
+                          whole[quantity::divergence_time] ? Cell(*whole[quantity::divergence_time]) : Cell("not lost"),
                           itself ? Cell("itself") : Cell(rms_apart(run->trace, ode45, claimed_until_s)),
                           itself  ? Cell("itself")
                           : apart ? Cell(*apart)
@@ -120,7 +120,7 @@ Content accuracy(Laboratory& laboratory, Findings& findings) {
                                          : unavailable(meaning, "s", "they stay together to the end"));
 
   const auto lost_at = [&](const Evaluation* run) {
-    const auto time = evaluator.measure(*run, evaluator.scenario().duration_s).divergence_time;
+    const auto time = evaluator.measure(*run, evaluator.scenario().duration_s)[quantity::divergence_time];
     return time ? "at " + shown(*time) + " s" : std::string("never");
   };
   Content content;

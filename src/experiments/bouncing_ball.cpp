@@ -146,7 +146,7 @@ void rest(const Scenario& scenario, Content& content) {
         Evaluator evaluator(changed);
         const Evaluation run = evaluator.evaluate(*available(method));
         true_rest = evaluator.reference().at_rest_from;
-        const auto rests = evaluator.measure(run, changed.duration_s).rest_time;
+        const auto rests = evaluator.measure(run, changed.duration_s)[quantity::rest_time];
         const Column& rate = run.trace.bodies[0].velocity[2];
         double fastest = 0;
         for (std::size_t k = rows_between(run.trace.t, changed.duration_s - 1, changed.duration_s).first;
@@ -206,7 +206,7 @@ void ladder(const Scenario& grid, Content& content, Findings& findings) {
       const Evaluation run = evaluator.evaluate(*available(rung.method));
       const Metrics metrics = evaluator.measure(run, scenario.duration_s);
       const double start = stands_for * energy(run.trace, 0);
-      const double rms = stands_for * metrics.rms_energy_drift;
+      const double rms = stands_for * *metrics[quantity::rms_energy_drift];
       const double last = stands_for * energy(run.trace, run.trace.rows() - 1);
       table.rows.push_back({std::string(rung.method), rung.erp, step, static_cast<double>(scenario.mechanism.bodies.size()),
                             start, rms * rms, last / start, deepest(run.outcome.impacts)});

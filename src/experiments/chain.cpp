@@ -144,10 +144,10 @@ report::Table joint_forces(Laboratory& laboratory, Findings& findings) {
         for (const auto& [x, y, z] : evaluator.reference().joint_force) {
           for (std::size_t k = 0; k < x.size(); ++k) largest = std::max(largest, std::hypot(x[k], y[k], z[k]));
         }
-        const double error = metrics.max_reaction_error.value_or(NAN);
+        const double error = metrics[quantity::max_reaction_error].value_or(NAN);
         rows.push_back({std::string(name), cfm, step_s, largest, error,
                         std::isnan(finer) ? Cell(Missing{"the finest step"}) : Cell(error / finer),
-                        metrics.max_out_of_plane.value_or(NAN)});
+                        metrics[quantity::max_out_of_plane].value_or(NAN)});
         if (step_s == 5e-4) {
           findings.add(fmt::format("chain.force_error_halved_{}{}", name, cfm == 0 ? "_rigid" : ""),
                        measured(fmt::format("error of joint forces at h = {} s over that at half the step, {}, CFM {}",

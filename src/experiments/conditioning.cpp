@@ -101,7 +101,7 @@ Run run_of(const SetUp& set_up, Evaluator& evaluator, double cfm) {
   const Evaluation run = evaluator.evaluate(set_up.method, ode);
   if (run.outcome.diverged) return {false, run.outcome.reason, NAN, NAN};
   const Metrics metrics = evaluator.measure(run, until_s);
-  return {true, "", metrics.max_error_q.value_or(NAN), metrics.max_gap.value_or(NAN)};
+  return {true, "", metrics[quantity::max_error_q].value_or(NAN), metrics[quantity::max_gap].value_or(NAN)};
 }
 
 }  // namespace

@@ -298,7 +298,7 @@ Content contact_delay(Laboratory& laboratory, Findings& findings) {
   Content content;
   content.values = {{"restitution", file.planar->wall->restitution},
                     {"duration", file.duration_s},
-                    {"difference", shown(metrics.max_error_q.value_or(NAN))},
+                    {"difference", shown(metrics[quantity::max_error_q].value_or(NAN))},
                     {"face", file.planar->wall->face_m},
                     {"side", side_of_link(file)},
                     {"touch", fmt::format("{:.5f}", touch_rad)},

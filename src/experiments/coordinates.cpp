@@ -59,7 +59,7 @@ Ladder ladder(const Scenario& file, const Method& method, const OdeSettings& set
     Evaluator evaluator(scenario);
     const Evaluation usual = evaluator.evaluate(method, settings);
     ladder.error.push_back(error_until(evaluator, usual, 1));
-    ladder.gap.push_back(evaluator.measure(usual, 1).max_gap.value_or(NAN));
+    ladder.gap.push_back(evaluator.measure(usual, 1)[quantity::max_gap].value_or(NAN));
     ladder.half_started.push_back(error_until(evaluator, evaluator.evaluate(method, half_step_started(settings)), 1));
   }
   return ladder;
@@ -85,7 +85,7 @@ report::Figure erp_figure(Evaluator& evaluator, const Scenario& file, const Meth
     of_ode.x.push_back(erp);
     of_ode.y.push_back(error_until(evaluator, run, until_s));
     gap_of_ode.x.push_back(erp);
-    gap_of_ode.y.push_back(evaluator.measure(run, until_s).max_gap.value_or(NAN));
+    gap_of_ode.y.push_back(evaluator.measure(run, until_s)[quantity::max_gap].value_or(NAN));
   }
   error.series = {std::move(of_ode),
                   curve("lagrange-symplectic-euler", {0, 1}, {symplectic, symplectic},

@@ -124,7 +124,7 @@ report::Values words_of(const Wanted& which, catalogue::Evaluator& evaluator, co
           {"of_2010", which.of_2010},
           {"method", which.method},
           {"trusted_until", shade ? shown(shade->from) : ""},
-          {"drift", shown(metrics.max_energy_drift)}};
+          {"drift", shown(*metrics[quantity::max_energy_drift])}};
 }
 
 }  // namespace

@@ -33,9 +33,10 @@ Content energy(Laboratory& laboratory, Findings& findings) {
     size.series.push_back(curve(compared[i], run.trace.t, above_zero(sizes(drift)), colour_of(compared[i])));
     const Metrics whole = evaluator.measure(run, end);
     const Metrics early = evaluator.measure(run, 3);
-    largest[i] = whole.max_energy_drift;
-    table.rows.push_back({std::string(compared[i]), early.max_energy_drift, whole.max_energy_drift,
-                          whole.rms_energy_drift, whole.final_energy_drift, error_until(evaluator, run, 3)});
+    largest[i] = *whole[quantity::max_energy_drift];
+    table.rows.push_back({std::string(compared[i]), *early[quantity::max_energy_drift],
+                          *whole[quantity::max_energy_drift], *whole[quantity::rms_energy_drift],
+                          *whole[quantity::final_energy_drift], error_until(evaluator, run, 3)});
   }
   findings.add("C8a.ode_over_ode45", measured_ratio(fmt::format("largest energy drift of ODE over ode45's, {} s", end),
                                                     largest[0], largest[1]));

@@ -45,8 +45,8 @@ std::vector<Run> measure_all(const Scenario& file, const std::vector<double>& cf
         const Evaluation run = evaluator.evaluate(*available(method), settings);
         const Metrics early = evaluator.measure(run, early_s);
         const Metrics whole = evaluator.measure(run, scenario.duration_s);
-        runs.push_back({step_s, erp, cfm, early.max_energy_drift, whole.max_energy_drift,
-                        early.max_error_q.value_or(NAN), whole.max_gap.value_or(NAN)});
+        runs.push_back({step_s, erp, cfm, *early[quantity::max_energy_drift], *whole[quantity::max_energy_drift],
+                        early[quantity::max_error_q].value_or(NAN), whole[quantity::max_gap].value_or(NAN)});
       }
     }
   }

@@ -27,14 +27,14 @@ Pair pair_of(Evaluator& evaluator, Evaluator& unfed, const char* name) {
   Pair pair{evaluator.evaluate(*available(name)), unfed.evaluate(*available(name)), 0};
   const double end = evaluator.scenario().duration_s;
   const auto lost_at = [&](Evaluator& of, const Evaluation& run) {
-    return of.measure(run, end).divergence_time.value_or(end);
+    return of.measure(run, end)[quantity::divergence_time].value_or(end);
   };
   pair.followed_s = std::min(lost_at(evaluator, pair.with), lost_at(unfed, pair.without));
   return pair;
 }
 
 double gap_until(Evaluator& evaluator, const Evaluation& run, double until_s) {
-  return evaluator.measure(run, until_s).max_gap.value();
+  return evaluator.measure(run, until_s)[quantity::max_gap].value();
 }
 
 }  // namespace

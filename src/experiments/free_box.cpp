@@ -87,19 +87,20 @@ Content free_box(Laboratory& laboratory, Findings& findings) {
         const Metrics all = evaluator.measure(run, scenario.duration_s);
         const Metrics early = evaluator.measure(run, early_s);
         const bool of_ode = catalogue::has_half_step_start(*method);
-        table.rows.push_back({std::string(which.name), std::string(name), step_s, *all.max_error_position,
-                              of_ode ? Cell(law) : Cell(std::string("-")), *all.position_uncertainty,
-                              *early.max_error_turn, *early.turn_uncertainty, *all.max_error_turn,
-                              *all.turn_uncertainty, *all.max_angular_momentum_drift / scales.momentum,
-                              all.max_energy_drift / scales.energy});
+        table.rows.push_back({std::string(which.name), std::string(name), step_s, *all[quantity::max_error_position],
+                              of_ode ? Cell(law) : Cell(std::string("-")), *all[quantity::position_uncertainty],
+                              *early[quantity::max_error_turn], *early[quantity::turn_uncertainty],
+                              *all[quantity::max_error_turn], *all[quantity::turn_uncertainty],
+                              *all[quantity::max_angular_momentum_drift] / scales.momentum,
+                              *all[quantity::max_energy_drift] / scales.energy});
         if (!which.tumbles) continue;
         if (std::string_view(name) == "ode-step-double") {
-          off_the_law = std::fmax(off_the_law, std::fabs(*all.max_error_position - law));
-          uncertainty = std::fmax(uncertainty, *all.position_uncertainty);
+          off_the_law = std::fmax(off_the_law, std::fabs(*all[quantity::max_error_position] - law));
+          uncertainty = std::fmax(uncertainty, *all[quantity::position_uncertainty]);
           turned.x.push_back(step_s);
-          turned.y.push_back(*early.max_error_turn);
+          turned.y.push_back(*early[quantity::max_error_turn]);
           fallen.x.push_back(step_s);
-          fallen.y.push_back(*all.max_error_position);
+          fallen.y.push_back(*all[quantity::max_error_position]);
         }
         if (step_s == file.step_s && !std::string_view(name).starts_with("ode-quickstep")) {
           const Column& error = run.trace.error_turn[0];

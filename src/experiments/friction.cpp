@@ -66,11 +66,11 @@ Slide slide(Scenario scenario, const Case& how, double direction_deg) {
   const Metrics metrics = evaluator.measure(run, scenario.duration_s);
   return {std::sqrt(dot(gone, gone)),
           std::sqrt(dot(wanted, wanted)),
-          metrics.rest_time.value_or(NAN),
+          metrics[quantity::rest_time].value_or(NAN),
           evaluator.reference().at_rest_from,
           std::atan2(gone[1], gone[0]) * 180 / pi - direction_deg,
-          metrics.max_error_position.value_or(NAN),
-          metrics.position_uncertainty.value_or(NAN)};
+          metrics[quantity::max_error_position].value_or(NAN),
+          metrics[quantity::position_uncertainty].value_or(NAN)};
 }
 
 /// How far a box slips in the scenario's time, from rest on a slope of so much of the angle of friction.

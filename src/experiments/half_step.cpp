@@ -138,11 +138,11 @@ report::Table every_trace(Laboratory& laboratory) {
       const Evaluation* const run = laboratory.run(name, of);
       if (run == nullptr || of == catalogue::reference_method) continue;
       const Metrics metrics = evaluator.measure(*run, until_s);
-      if (!metrics.time_shift) continue;
+      if (!metrics[quantity::time_shift]) continue;
       const double step_s = evaluator.grid().step_s;
-      table.rows.push_back({std::string(name), of, *metrics.time_shift / step_s,
-                            *metrics.time_shift_uncertainty / step_s, *metrics.max_error_q,
-                            *metrics.error_q_after_shift, *metrics.reference_uncertainty});
+      table.rows.push_back({std::string(name), of, *metrics[quantity::time_shift] / step_s,
+                            *metrics[quantity::time_shift_uncertainty] / step_s, *metrics[quantity::max_error_q],
+                            *metrics[quantity::error_q_after_shift], *metrics[quantity::reference_uncertainty]});
     }
   }
   return table;

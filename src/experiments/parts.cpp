@@ -72,10 +72,10 @@ Column above_zero(Column column) {
 
 std::optional<Shade> lost_shade(Evaluator& evaluator, const Evaluation& run) {
   const Metrics metrics = evaluator.measure(run, evaluator.scenario().duration_s);
-  if (metrics.divergence_time) {
-    return Shade{*metrics.divergence_time,
+  if (metrics[quantity::divergence_time]) {
+    return Shade{*metrics[quantity::divergence_time],
                  fmt::format("from {} s on the angles are off by more than {} rad: the motion shown is another one",
-                             shown(*metrics.divergence_time), divergence_rad)};
+                             shown(*metrics[quantity::divergence_time]), divergence_rad)};
   }
   if (metrics.reference_lost_at) {
     return Shade{*metrics.reference_lost_at,
@@ -131,11 +131,12 @@ std::string left_out(const std::vector<std::string>& methods) {
 }
 
 double error_until(Evaluator& evaluator, const Evaluation& run, double until_s) {
-  return evaluator.measure(run, until_s).max_error_q.value_or(std::numeric_limits<double>::quiet_NaN());
+  return evaluator.measure(run, until_s)[quantity::max_error_q].value_or(std::numeric_limits<double>::quiet_NaN());
 }
 
 double uncertainty_until(Evaluator& evaluator, const Evaluation& run, double until_s) {
-  return evaluator.measure(run, until_s).reference_uncertainty.value_or(std::numeric_limits<double>::quiet_NaN());
+  return evaluator.measure(run, until_s)[quantity::reference_uncertainty].value_or(
+      std::numeric_limits<double>::quiet_NaN());
 }
 
 std::string reference_known(Evaluator& evaluator, std::initializer_list<double> until_s) {

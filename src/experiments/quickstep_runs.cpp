@@ -22,8 +22,8 @@ constexpr std::string_view iterative_method = "ode-quickstep-double";
 
 QuickRun quick_run(Evaluator& evaluator, std::string_view method, const OdeSettings& settings, double until_s) {
   const Metrics metrics = evaluator.measure(evaluator.evaluate(*available(method), settings), until_s);
-  return {settings, metrics.max_error_q.value_or(NAN), metrics.max_gap.value_or(NAN),
-          metrics.reference_uncertainty.value_or(NAN)};
+  return {settings, metrics[quantity::max_error_q].value_or(NAN), metrics[quantity::max_gap].value_or(NAN),
+          metrics[quantity::reference_uncertainty].value_or(NAN)};
 }
 
 /// All of them in turn, so that what else the machine does falls on all alike.

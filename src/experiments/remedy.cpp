@@ -21,8 +21,9 @@ double add_row(Laboratory& laboratory, const std::string& scenario, double until
   const double b = error_until(evaluator, better, until);
   const double known = uncertainty_until(evaluator, better, until);
   const double bound = b + known;
-  table.rows.push_back({scenario, until, a, b, known, a / bound, evaluator.measure(plain, until).max_energy_drift,
-                        evaluator.measure(better, until).max_energy_drift});
+  table.rows.push_back({scenario, until, a, b, known, a / bound,
+                        *evaluator.measure(plain, until)[quantity::max_energy_drift],
+                        *evaluator.measure(better, until)[quantity::max_energy_drift]});
   return a / bound;
 }
 

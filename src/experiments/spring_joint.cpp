@@ -114,11 +114,12 @@ std::optional<ObservedOrder> measure_orders(const Scenario& file, report::Table&
       const Evaluation run = evaluator.evaluate(*available(method));
       const Metrics metrics = evaluator.measure(run, scenario.duration_s);
       const Softness softness = scenario.ode.softness(step_s);
-      errors.rows.push_back({std::string(damping.name), step_s, softness.erp, softness.cfm, *metrics.max_error_position,
-                             *metrics.max_reaction_error, *metrics.position_uncertainty});
-      positions.push_back({step_s, *metrics.max_error_position, *metrics.position_uncertainty});
-      forces.push_back(
-          {step_s, *metrics.max_reaction_error, *metrics.position_uncertainty * scenario.ode.spring->kp_N_m});
+      errors.rows.push_back({std::string(damping.name), step_s, softness.erp, softness.cfm,
+                             *metrics[quantity::max_error_position], *metrics[quantity::max_reaction_error],
+                             *metrics[quantity::position_uncertainty]});
+      positions.push_back({step_s, *metrics[quantity::max_error_position], *metrics[quantity::position_uncertainty]});
+      forces.push_back({step_s, *metrics[quantity::max_reaction_error],
+                        *metrics[quantity::position_uncertainty] * scenario.ode.spring->kp_N_m});
     }
     std::vector<Cell> row{std::string(damping.name)};
     for (const auto* points : {&positions, &forces}) {

@@ -74,7 +74,8 @@ void add_finding(Findings& findings, const std::string& precision, const Metrics
     findings.add(name, unavailable(meaning, "", std::string(catalogue::without_single_precision)));
     return;
   }
-  findings.add(name, measured(meaning, "", *metrics->max_long_axis_spin / own, *metrics->spin_uncertainty / own));
+  findings.add(name, measured(meaning, "", *(*metrics)[quantity::max_long_axis_spin] / own,
+                              *(*metrics)[quantity::spin_uncertainty] / own));
 }
 
 SpinUp spin_up(const Scenario& file, Findings& findings) {
@@ -102,12 +103,13 @@ SpinUp spin_up(const Scenario& file, Findings& findings) {
         settings.gyroscopic = gyroscopic;
         const Metrics metrics = evaluator.measure(evaluator.evaluate(*method, settings), scenario.duration_s);
         if (judged) add_finding(findings, precision, &metrics, own);
-        const double spin = metrics.max_long_axis_spin.value_or(NAN);
-        result.table.rows.push_back({fmt::format("{}", aspect), moments[0] / moments[2], std::string(name),
-                                     std::string(word(gyroscopic)), finite_cell(spin), finite_cell(spin / own),
-                                     *metrics.spin_uncertainty, finite_cell(metrics.max_error_turn),
-                                     *metrics.turn_uncertainty, finite_cell(metrics.max_energy_drift),
-                                     finite_cell(metrics.max_angular_momentum_drift)});
+        const double spin = metrics[quantity::max_long_axis_spin].value_or(NAN);
+        result.table.rows.push_back(
+            {fmt::format("{}", aspect), moments[0] / moments[2], std::string(name), std::string(word(gyroscopic)),
+             finite_cell(spin), finite_cell(spin / own), *metrics[quantity::spin_uncertainty],
+             finite_cell(metrics[quantity::max_error_turn]), *metrics[quantity::turn_uncertainty],
+             finite_cell(metrics[quantity::max_energy_drift]),
+             finite_cell(metrics[quantity::max_angular_momentum_drift])});
         if (!big_matrix) continue;
         const std::string label = fmt::format("{} precision, gyroscopic term {}", precision, word(gyroscopic));
         report::Series& curve = series[label];
@@ -140,8 +142,8 @@ report::Table spin_kept(const Scenario& file) {
         const Evaluation run = evaluator.evaluate(*available(name), settings);
         const Metrics metrics = evaluator.measure(run, evaluator.scenario().duration_s);
         table.rows.push_back({fmt::format("{}", aspect), std::string(name), std::string(word(gyroscopic)),
-                              finite_cell(run.trace.long_axis_spin[0].back()), *metrics.spin_uncertainty,
-                              finite_cell(metrics.max_error_turn), *metrics.turn_uncertainty});
+                              finite_cell(run.trace.long_axis_spin[0].back()), *metrics[quantity::spin_uncertainty],
+                              finite_cell(metrics[quantity::max_error_turn]), *metrics[quantity::turn_uncertainty]});
       }
     }
   }
@@ -160,7 +162,8 @@ report::Table orders_of_operations(const Scenario& file) {
     const Scenario& scenario = evaluator.scenario();
     std::vector<Cell> row{fmt::format("{}", aspect), report::Missing{std::string(catalogue::without_single_precision)}};
     if (single != nullptr) {
-      row[1] = finite_cell(evaluator.measure(evaluator.evaluate(*single), scenario.duration_s).max_long_axis_spin);
+      row[1] = finite_cell(
+          evaluator.measure(evaluator.evaluate(*single), scenario.duration_s)[quantity::max_long_axis_spin]);
     }
     for (const GyroscopicForm form : {GyroscopicForm::as_ode, GyroscopicForm::solved, GyroscopicForm::in_body_frame}) {
       row.push_back(finite_cell(reference::long_axis_spin_in_single(scenario.mechanism.bodies[0], scenario.step_s,
@@ -199,9 +202,10 @@ report::Table thin_links(Laboratory& laboratory) {
           settings.gyroscopic = gyroscopic;
           const Metrics metrics = evaluator.measure(evaluator.evaluate(*method, settings), swing_s);
           table.rows.push_back({std::string(name), fmt::format("{}", aspect), std::string(method_name),
-                                std::string(word(gyroscopic)), finite_cell(metrics.max_long_axis_spin),
-                                finite_cell(metrics.max_out_of_plane), finite_cell(metrics.max_error_q),
-                                *metrics.reference_uncertainty, finite_cell(metrics.max_energy_drift)});
+                                std::string(word(gyroscopic)), finite_cell(metrics[quantity::max_long_axis_spin]),
+                                finite_cell(metrics[quantity::max_out_of_plane]),
+                                finite_cell(metrics[quantity::max_error_q]), *metrics[quantity::reference_uncertainty],
+                                finite_cell(metrics[quantity::max_energy_drift])});
         }
       }
     }

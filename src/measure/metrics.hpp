@@ -16,25 +16,18 @@ namespace odeval {
 /// resampled.
 void compare(Trace& trace, const Reference& reference);
 
-/// Metrics over the samples with t <= until_s. Errors are those of `compare`, so without it, or without a reference,
-/// they stay empty.
+/// Every quantity of the table over the samples with t <= until_s. Errors are those of `compare`, so without it, or
+/// without a reference, they stay empty.
 ///
 /// A value that is not finite counts as infinite. So does every error and drift of a trace that ends before a
 /// reference does: what a run did not survive it did not do well.
-///
-/// max_error_q         largest over links and samples; rms_error_q over the same
-/// time_shift          before the first impact, within two rows either way; empty when the run is lost or does not move
-/// max_reaction_error  rows without contact, from row 1: the force in row 0 belongs to no step
 Metrics measure(const Trace& trace, const Reference* reference, double until_s);
-
-/// The row of that name, or null.
-const MetricRow* metric_named(std::string_view name);
 
 /// What a tolerance is held against: the metric's value, where a run that was compared and never lost is lost at
 /// infinity. Empty when the metric has no meaning for the run. Throws UserError for an unknown metric.
 std::optional<double> judged_value(const Tolerance& tolerance, const Metrics& metrics);
 
-/// What the reference may be off by in that metric; empty when it is no error against the reference.
+/// What the reference may be off by in that metric; empty when it is no error against the reference. Throws as above.
 std::optional<double> uncertainty_of(const Tolerance& tolerance, const Metrics& metrics);
 
 enum class Judgement { kept, failed, undecided };

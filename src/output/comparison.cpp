@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -10,6 +11,7 @@
 #include <set>
 
 #include "odeval/error.hpp"
+#include "odeval/quantity.hpp"
 #include "output/file.hpp"
 #include "output/number.hpp"
 #include "output/table.hpp"
@@ -122,14 +124,15 @@ double allowed_at(const std::string& way, const Leaves& a, const Leaves& b) {
   const double in_b = *number(find(b, way));
   const std::string name = last_part(way);
   if (must_be_equal(way)) return 0;
-  const auto metrics = metric_table();
-  const auto metric = std::ranges::find(metrics, name, &MetricRow::name);
-  if (metric != metrics.end() && !metric->uncertainty.empty()) {
-    const std::string beside = way.substr(0, way.size() - name.size()) + std::string(metric->uncertainty);
+  const Quantity* const row = quantity_named(name);
+  if (row == nullptr) return rounding(in_a, in_b);
+  if (row->uncertainty) {
+    const std::string_view bound = quantities[*row->uncertainty].name;
+    const std::string beside = way.substr(0, way.size() - name.size()) + std::string(bound);
     return angle_rounding + number(find(a, beside)).value_or(0) + number(find(b, beside)).value_or(0);
   }
-  if (name.ends_with("uncertainty")) return std::max(in_a, in_b) / 2;
-  if (name == "divergence_time") {
+  if (row->scope == Scope::reference) return std::max(in_a, in_b) / 2;
+  if (row->id == quantity::divergence_time) {
     return 1.001 *
            std::max(number(find(a, "settings.sample")).value_or(0), number(find(b, "settings.sample")).value_or(0));
   }
@@ -163,35 +166,59 @@ void compare_summaries(const Place& place, const Json& json_a, const Json& json_
       fmt::format("{} of {} values differ, {} more within the uncertainty", file.differences.size(), ways.size(), near);
 }
 
-/// The reference's uncertainty by the time until which it holds.
+/// The bounds that a summary states, by the time until which each holds.
 class Uncertainty {
  public:
   explicit Uncertainty(const Json* summary) {
     if (summary == nullptr || !summary->is_object()) return;
-    const Leaves leaves = leaves_of(*summary);
-    for (const auto& [way, value] : leaves) {
-      if (way.starts_with("error_at.") && last_part(way) == "reference_uncertainty") {
-        add(std::strtod(way.c_str() + std::string("error_at.").size(), nullptr), value);
-      }
+    for (const auto& [way, value] : leaves_of(*summary)) {
+      const bool at_time = way.starts_with("error_at.");
+      const Quantity* const row = quantity_named(at_time ? last_part(way) : way);
+      const auto known = number(&value);
+      if (row == nullptr || row->scope != Scope::reference || !known) continue;
+      until_[row->id][at_time ? std::strtod(way.c_str() + std::string("error_at.").size(), nullptr) : infinity] =
+          *known;
     }
-    add(infinity, summary->value("reference_uncertainty", Json()));
   }
 
-  double at(double t) const {
-    const auto next = until_.lower_bound(t);
-    return next == until_.end() ? 0 : next->second;
+  double at(quantity::Id bound, double t) const {
+    const auto next = until_[bound].lower_bound(t);
+    return next == until_[bound].end() ? 0 : next->second;
   }
 
  private:
-  void add(double until, const Json& value) {
-    if (const auto known = number(&value)) until_[until] = *known;
-  }
-  std::map<double, double> until_;
+  std::array<std::map<double, double>, quantity::count> until_;
 };
 
-bool is_angle(const std::string& column) {
-  return column.starts_with("error_q") || (column.starts_with("q") && !column.starts_with("qd"));
-}
+/// What the numbers of one column of two traces may differ by at a time.
+class ColumnRule {
+ public:
+  ColumnRule(const std::string& name, const Uncertainty& of_a, const Uncertainty& of_b)
+      : row_(trace_column_of(name)), of_a_(of_a), of_b_(of_b) {}
+
+  bool is_angle() const { return row_ != nullptr && row_->place == ColumnPlace(&Trace::q); }
+
+  double allowed(double t, double a, double b) const {
+    if (row_ == nullptr) return rounding(a, b);
+    if (row_->uncertainty) return of_a_.at(*row_->uncertainty, t) + of_b_.at(*row_->uncertainty, t) + angle_rounding;
+    return row_->exact ? 0 : rounding(a, b);
+  }
+
+ private:
+  const TraceColumn* row_;  // null: a column of no trace of this version
+  const Uncertainty& of_a_;
+  const Uncertainty& of_b_;
+};
+
+/// The largest difference of an angle.
+struct LargestAngle {
+  double difference = 0;
+  double t = 0;
+
+  void look_at(double a, double b, double at) {
+    if (std::fabs(a - b) > difference) *this = {std::fabs(a - b), at};
+  }
+};
 
 void compare_traces(const Place& place, const CsvColumns& a, const CsvColumns& b, const Uncertainty& of_a,
                     const Uncertainty& of_b, FileComparison& file) {
@@ -202,37 +229,29 @@ void compare_traces(const Place& place, const CsvColumns& a, const CsvColumns& b
     differ("columns", std::to_string(a.header.size()), std::to_string(b.header.size()), 0);
     return;
   }
-  if (a.columns.empty() || a.header[0] != "t") throw UserError("no column t");
+  if (a.columns.empty() || a.header[0] != trace_columns[0].name) throw UserError("no column t");
   const Column& t = a.columns[0];
   if (t.size() != b.columns[0].size()) {
     differ("rows", std::to_string(t.size()), std::to_string(b.columns[0].size()), 0);
   }
   const std::size_t rows = std::min(t.size(), b.columns[0].size());
-  double largest = 0;
-  double largest_at = 0;
+  LargestAngle largest;
   for (std::size_t i = 0; i < a.header.size(); ++i) {
-    const bool angle = is_angle(a.header[i]);
+    const ColumnRule rule(a.header[i], of_a, of_b);
+    const bool is_angle = rule.is_angle();
     bool told = false;
     for (std::size_t k = 0; k < rows; ++k) {
       const double in_a = a.columns[i][k];
       const double in_b = b.columns[i][k];
-      if (a.header[i].starts_with('q') && angle && std::fabs(in_a - in_b) > largest) {
-        largest = std::fabs(in_a - in_b);
-        largest_at = t[k];
-      }
-      double allowed = 0;
-      if (angle) {
-        allowed = of_a.at(t[k]) + of_b.at(t[k]) + angle_rounding;
-      } else if (i > 0 && a.header[i] != "contacts") {
-        allowed = rounding(in_a, in_b);
-      }
+      if (is_angle) largest.look_at(in_a, in_b, t[k]);
+      const double allowed = rule.allowed(t[k], in_a, in_b);
       if (told || same(in_a, in_b, allowed)) continue;
       differ(fmt::format("{} from t = {}", a.header[i], number_text(t[k])), number_text(in_a), number_text(in_b),
              allowed);
       told = true;
     }
   }
-  file.why = fmt::format("largest |dq| {:.2g} rad, at t = {}", largest, number_text(largest_at));
+  file.why = fmt::format("largest |dq| {:.2g} rad, at t = {}", largest.difference, number_text(largest.t));
 }
 
 /// Rows of cells; a quoted cell keeps its commas.

@@ -19,9 +19,12 @@ const Metrics* half_a_step(const RunSummary& run) {
   constexpr double most = 0.9;  // of the error
   const Metrics* found = nullptr;
   for (const Metrics& metrics : run.error_at) {
-    if (!metrics.time_shift || !metrics.max_error_q || !metrics.error_q_after_shift) continue;
-    const bool half = std::fabs(*metrics.time_shift / run.grid.step_s - 0.5) < near;
-    if (half && *metrics.error_q_after_shift < (1 - most) * *metrics.max_error_q) found = &metrics;
+    const auto& shift = metrics[quantity::time_shift];
+    const auto& error = metrics[quantity::max_error_q];
+    const auto& left = metrics[quantity::error_q_after_shift];
+    if (!shift || !error || !left) continue;
+    const bool half = std::fabs(*shift / run.grid.step_s - 0.5) < near;
+    if (half && *left < (1 - most) * *error) found = &metrics;
   }
   return found;
 }
@@ -33,8 +36,8 @@ std::string half_step_hint(const std::vector<RunSummary>& runs) {
       return fmt::format(
           "half step  to {:g} s {} is {:.2f} steps ahead of the reference; error {:.3g} rad, after shifting by that "
           "time {:.3g} rad: try --start half-step\n",
-          metrics->until_s, run.method, *metrics->time_shift / run.grid.step_s, *metrics->max_error_q,
-          *metrics->error_q_after_shift);
+          metrics->until_s, run.method, *(*metrics)[quantity::time_shift] / run.grid.step_s,
+          *(*metrics)[quantity::max_error_q], *(*metrics)[quantity::error_q_after_shift]);
     }
   }
   return "";
@@ -65,7 +68,7 @@ std::string run_report(const std::vector<RunSummary>& runs, std::span<const doub
                           three_digits(run.outcome.self_difference));
     }
   }
-  text += !scenario.planar
+  text += compared(runs.front().metrics, Scope::body)
               ? "\ndistance   largest distance of a body from the reference ± what the reference may itself be off by\n"
                 "turned     likewise the angle between its attitude and the reference's\n"
               : fmt::format(

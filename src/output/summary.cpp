@@ -97,27 +97,35 @@ Json settings(const RunSummary& run) {
   return json;
 }
 
-/// Whether a metric is an error against the reference, or bounds one.
-bool is_error(const MetricRow& metric) {
-  const auto bounds = [&](const MetricRow& error) { return error.uncertainty == metric.name; };
-  return !metric.uncertainty.empty() || std::ranges::any_of(metric_table(), bounds);
+/// Whether the run may have an error of that quantity against the reference, known or not.
+bool is_error(const Quantity& row, const Metrics& metrics) {
+  return row.uncertainty && (row.scope == Scope::mechanism || compared(metrics, row.scope));
 }
 
-/// Of a pendulum the errors of angles, known or not; of bodies their own.
-Json errors_at(const std::vector<Metrics>& error_at, bool angles) {
+/// The errors of what the run has, angles or bodies, and their bounds.
+std::vector<const Quantity*> errors_of(const Metrics& metrics) {
+  std::vector<const Quantity*> errors;
+  for (const Quantity& row : quantities) {
+    const auto bounded_by_row = [&](const Quantity& error) {
+      return error.uncertainty == row.id && is_error(error, metrics);
+    };
+    if (is_error(row, metrics) || std::ranges::any_of(quantities, bounded_by_row)) errors.push_back(&row);
+  }
+  return errors;
+}
+
+Json errors_at(const RunSummary& run) {
+  const std::vector<const Quantity*> errors = errors_of(run.metrics);
   Json json = Json::object();
-  for (const Metrics& metrics : error_at) {
+  for (const Metrics& metrics : run.error_at) {
     Json& at = json[number_text(metrics.until_s)] = Json::object();
-    for (const MetricRow& row : metric_table()) {
-      const bool of_either = row.name.starts_with("time_shift");
-      const bool of_angles = row.uncertainty == "reference_uncertainty" || row.name == "reference_uncertainty";
-      if (is_error(row) && (of_either || of_angles == angles)) {
-        at[std::string(row.name)] = json_of(row.value(metrics));
-      }
-    }
+    for (const Quantity* error : errors) at[std::string(error->name)] = json_of(metrics[error->id]);
   }
   return json;
 }
+
+/// The quantities that summary.csv shows at each error time as well.
+constexpr std::array errors_in_csv{quantity::max_error_q, quantity::rms_error_q, quantity::reference_uncertainty};
 
 std::string cell(const std::optional<double>& number) { return number ? number_text(*number) : ""; }
 
@@ -156,9 +164,9 @@ std::string summary_json(const RunSummary& run) {
   json["messages"] = outcome.messages;
   json["diverged"] = outcome.diverged;
   json["reason"] = outcome.reason.empty() ? Json() : Json(outcome.reason);
-  for (const MetricRow& row : metric_table()) json[std::string(row.name)] = json_of(row.value(run.metrics));
+  for (const Quantity& row : quantities) json[std::string(row.name)] = json_of(run.metrics[row.id]);
   json["reference_lost_at"] = json_of(run.metrics.reference_lost_at);
-  json["error_at"] = errors_at(run.error_at, run.scenario.planar != nullptr);
+  json["error_at"] = errors_at(run);
   if (outcome.self_difference) json["self_difference"] = json_number(*outcome.self_difference);
   json["at_rest_from"] = outcome.at_rest_from < 0 ? Json() : json_number(outcome.at_rest_from);
   json["impacts"] = Json::array();
@@ -168,9 +176,9 @@ std::string summary_json(const RunSummary& run) {
 
 std::string summary_csv(const std::vector<RunSummary>& runs) {
   std::string text = "scenario,method,is_reference,step,duration,steps,evaluations,diverged,reason";
-  for (const MetricRow& row : metric_table()) text += fmt::format(",{}", row.name);
+  for (const Quantity& row : quantities) text += fmt::format(",{}", row.name);
   for (const double time : error_times) {
-    text += fmt::format(",max_error_q_at_{0:g},rms_error_q_at_{0:g},reference_uncertainty_at_{0:g}", time);
+    for (const quantity::Id error : errors_in_csv) text += fmt::format(",{}_at_{:g}", quantities[error].name, time);
   }
   text += ",impacts,at_rest_from\n";
 
@@ -179,13 +187,10 @@ std::string summary_csv(const std::vector<RunSummary>& runs) {
     text += fmt::format("{},{},{},{},{},{},{},{},{}", csv_cell(run.scenario.name), csv_cell(run.method),
                         run.is_reference, number_text(run.grid.step_s), number_text(run.grid.time(run.grid.rows - 1)),
                         outcome.steps, outcome.evaluations, outcome.diverged, csv_cell(outcome.reason));
-    for (const MetricRow& row : metric_table()) text += ',' + cell(row.value(run.metrics));
+    for (const Quantity& row : quantities) text += ',' + cell(run.metrics[row.id]);
     for (const double time : error_times) {
       const Metrics* at = metrics_at(run, time);
-      const Metrics none;
-      const Metrics& metrics = at == nullptr ? none : *at;
-      text += fmt::format(",{},{},{}", cell(metrics.max_error_q), cell(metrics.rms_error_q),
-                          cell(metrics.reference_uncertainty));
+      for (const quantity::Id error : errors_in_csv) text += ',' + (at == nullptr ? "" : cell((*at)[error]));
     }
     text += fmt::format(",{},{}\n", outcome.impacts.size(),
                         outcome.at_rest_from < 0 ? "" : number_text(outcome.at_rest_from));

@@ -11,14 +11,14 @@
 namespace odeval {
 std::vector<std::string> result_columns() {
   std::vector<std::string> columns{"steps", "evaluations", "messages"};
-  for (const MetricRow& row : metric_table()) columns.emplace_back(row.name);
+  for (const Quantity& row : quantities) columns.emplace_back(row.name);
   return columns;
 }
 
 std::string result_cells(const Outcome& outcome, const Metrics& metrics) {
   std::string cells = fmt::format("{},{},{}", outcome.steps, outcome.evaluations, outcome.messages);
-  for (const MetricRow& row : metric_table()) {
-    const std::optional<double> value = row.value(metrics);
+  for (const Quantity& row : quantities) {
+    const std::optional<double> value = metrics[row.id];
     cells += ',' + (value ? number_text(*value) : "");
   }
   return cells;

@@ -20,11 +20,14 @@ const Metrics* metrics_until(const RunSummary& run, double time) {
   return found == run.error_at.end() ? nullptr : &*found;
 }
 
-std::string error_cell(const RunSummary& run, const Metrics* metrics) {
+/// An error beside the reference's uncertainty; of the reference that alone.
+std::string error_cell(const RunSummary& run, const Metrics* metrics, quantity::Id error) {
   if (metrics == nullptr) return "-";
-  if (metrics->reference_uncertainty.value_or(0) > 1) return "reference lost";
-  if (run.is_reference) return "± " + fmt::format("{:.1g}", metrics->reference_uncertainty.value_or(0));
-  return with_uncertainty(metrics->max_error_q, metrics->reference_uncertainty);
+  const std::optional<double> uncertainty = uncertainty_of(error, *metrics);
+  const bool angle = quantities[error].scope == Scope::coordinate;
+  if (angle && uncertainty.value_or(0) > 1) return "reference lost";
+  if (run.is_reference) return "± " + fmt::format("{:.1g}", uncertainty.value_or(0));
+  return with_uncertainty((*metrics)[error], uncertainty);
 }
 
 std::string status(const RunSummary& run) {
@@ -71,30 +74,20 @@ std::string cost_cell(std::span<const double> ns_per_step, std::size_t run) {
   return run < ns_per_step.size() ? three_digits(ns_per_step[run] / 1e3) : "-";
 }
 
-std::string body_cell(const RunSummary& run, const Metrics* metrics, std::optional<double> Metrics::*error,
-                      std::optional<double> Metrics::*uncertainty) {
-  if (metrics == nullptr) return "-";
-  if (run.is_reference) return "± " + fmt::format("{:.1g}", (metrics->*uncertainty).value_or(0));
-  return with_uncertainty(metrics->*error, metrics->*uncertainty);
-}
-
 std::string body_table(const std::vector<RunSummary>& runs, std::span<const double> ns_per_step) {
-  const bool joint = !runs.front().scenario.mechanism.joints.empty();
+  const bool forces = runs.front().metrics[quantity::max_reaction_error].has_value();
+  const auto force_or_momentum = forces ? quantity::max_reaction_error : quantity::max_angular_momentum_drift;
   TextTable table("lrrrrrrrrl",
                   {"method", "distance to 1 s, m", "to the end", "turned to 1 s, rad", "to the end", "drift, J",
-                   joint ? "force error, N" : "momentum, N m s", "impacts", "µs/step", "status"});
+                   forces ? "force error, N" : "momentum, N m s", "impacts", "µs/step", "status"});
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const RunSummary& run = runs[i];
-    const auto position = [&](const Metrics* metrics) {
-      return body_cell(run, metrics, &Metrics::max_error_position, &Metrics::position_uncertainty);
-    };
-    const auto turn = [&](const Metrics* metrics) {
-      return body_cell(run, metrics, &Metrics::max_error_turn, &Metrics::turn_uncertainty);
-    };
     const Metrics* const early = metrics_until(run, 1);
-    table.add({run.method, position(early), position(&run.metrics), turn(early), turn(&run.metrics),
-               three_digits(run.metrics.max_energy_drift),
-               three_digits(joint ? run.metrics.max_reaction_error : run.metrics.max_angular_momentum_drift),
+    table.add({run.method, error_cell(run, early, quantity::max_error_position),
+               error_cell(run, &run.metrics, quantity::max_error_position),
+               error_cell(run, early, quantity::max_error_turn),
+               error_cell(run, &run.metrics, quantity::max_error_turn),
+               three_digits(run.metrics[quantity::max_energy_drift]), three_digits(run.metrics[force_or_momentum]),
                std::to_string(run.outcome.impacts.size()), cost_cell(ns_per_step, i), status(run)});
   }
   return table.text();
@@ -103,21 +96,23 @@ std::string body_table(const std::vector<RunSummary>& runs, std::span<const doub
 }  // namespace
 
 std::string summary_table(const std::vector<RunSummary>& runs, std::span<const double> ns_per_step) {
-  if (!runs.front().scenario.planar) return body_table(runs, ns_per_step);
+  if (compared(runs.front().metrics, Scope::body)) return body_table(runs, ns_per_step);
   TextTable table("lrrrrrrrrl", {"method", "error to 1 s, rad", "to 3 s", "to the end", "lost at, s", "drift, J",
                                  "gap, m", "impacts", "µs/step", "status"});
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const RunSummary& run = runs[i];
-    table.add({run.method, error_cell(run, metrics_until(run, 1)), error_cell(run, metrics_until(run, 3)),
-               error_cell(run, &run.metrics), three_digits(run.metrics.divergence_time),
-               three_digits(run.metrics.max_energy_drift), three_digits(run.metrics.max_gap),
+    table.add({run.method, error_cell(run, metrics_until(run, 1), quantity::max_error_q),
+               error_cell(run, metrics_until(run, 3), quantity::max_error_q),
+               error_cell(run, &run.metrics, quantity::max_error_q),
+               three_digits(run.metrics[quantity::divergence_time]),
+               three_digits(run.metrics[quantity::max_energy_drift]), three_digits(run.metrics[quantity::max_gap]),
                std::to_string(run.outcome.impacts.size()), cost_cell(ns_per_step, i), status(run)});
   }
   return table.text();
 }
 
 std::string impacts_table(const std::vector<RunSummary>& runs, const std::vector<Impact>& reference, std::size_t most) {
-  const bool bodies = !runs.front().scenario.planar;
+  const bool bodies = compared(runs.front().metrics, Scope::body);
   const auto of_ball = [](const RunSummary& run) {
     return std::ranges::any_of(run.outcome.impacts, [](const Impact& impact) { return impact.link.has_value(); });
   };

@@ -30,8 +30,9 @@ std::string three_digits(const std::optional<double>& number);
 std::string with_uncertainty(const std::optional<double>& value, const std::optional<double>& uncertainty);
 
 /// One row a run: errors until 1 s, 3 s and the end beside the reference's uncertainty, divergence time, energy drift,
-/// gap, impacts, cost, status; of bodies distance and turn instead of angles, and angular momentum. `ns_per_step` has
-/// one number per run, or is empty when nothing was timed.
+/// gap, impacts, cost, status; where bodies were compared distance and turn instead of angles, and the error of the
+/// joint's force or, without one, angular momentum. `ns_per_step` has one number per run, or is empty when nothing was
+/// timed.
 std::string summary_table(const std::vector<RunSummary>& runs, std::span<const double> ns_per_step);
 
 /// One row an impact, the first `most` of each run; `reference` are the impacts to compare with, number by number.

@@ -16,29 +16,15 @@ namespace {
 /// The columns of a trace in the order of the file.
 class Layout {
  public:
-  explicit Layout(const Trace& trace) : rows_(trace.rows()), energy_(trace.kinetic), drift_(trace.kinetic.size()) {
-    for (std::size_t k = 0; k < energy_.size(); ++k) {
-      energy_[k] += trace.potential[k];
-      drift_[k] = energy_[k] - energy_[0];
+  explicit Layout(const Trace& trace) : trace_(trace) {
+    for (const TraceColumn& row : trace_columns) {
+      std::visit([&](auto place) { add_of_trace(std::string(row.name), place); }, row.place);
     }
-    add("t", trace.t);
-    add_each("q", trace.q);
-    add_each("qd", trace.qd);
-    add("kinetic", trace.kinetic);
-    add("potential", trace.potential);
-    add("energy", energy_);
-    add("energy_drift", drift_);
-    add("gap", trace.gap);
-    add("out_of_plane", trace.out_of_plane);
-    add_each("error_q", trace.error_q);
-    add_each("error_position", trace.error_position);
-    add_each("error_turn", trace.error_turn);
-    add("angular_momentum_drift", trace.angular_momentum_drift);
-    add("penetration", trace.penetration);
-    add("contacts", trace.contacts);
-    add("condition", trace.condition);
-    add("manipulability", trace.manipulability);
-    for (std::size_t i = 0; i < trace.bodies.size(); ++i) add_body(std::to_string(i + 1), trace.bodies[i]);
+    for (std::size_t body = 0; body < trace.bodies.size(); ++body) {
+      for (const TraceColumn& row : trace_columns) {
+        std::visit([&](auto place) { add_of_body(std::string(row.name), body, place); }, row.place);
+      }
+    }
   }
   Layout(const Layout&) = delete;
   Layout& operator=(const Layout&) = delete;
@@ -48,38 +34,55 @@ class Layout {
 
  private:
   void add(const std::string& name, const Column& column) {
-    if (column.size() != rows_ || rows_ == 0) return;
+    if (column.size() != trace_.rows() || column.empty()) return;
     if (!header_.empty()) header_ += ',';
     header_ += name;
     columns_.push_back(column.data());
   }
 
-  void add_each(const std::string& name, const std::vector<Column>& columns) {
-    for (std::size_t i = 0; i < columns.size(); ++i) add(name + std::to_string(i + 1), columns[i]);
+  void add_of_trace(const std::string& name, Column Trace::*place) { add(name, trace_.*place); }
+  void add_of_trace(const std::string& name, Column (*make)(const Trace&)) {
+    add(name, made_.emplace_back(make(trace_)));
   }
-
-  void add_body(const std::string& link, const BodyColumns& body) {
-    add_vector("", link, body.position);
-    for (std::size_t d = 0; d < 9; ++d) {
-      add(fmt::format("r{}{}{}", link, d / 3 + 1, d % 3 + 1), body.rotation[d]);
-    }
-    add_vector("v", link, body.velocity);
-    add_vector("w", link, body.spin);
-    add_vector("f", link, body.joint_force);
+  void add_of_trace(const std::string& name, std::vector<Column> Trace::*place) {
+    std::size_t number = 0;
+    for (const Column& column : trace_.*place) add(name + std::to_string(++number), column);
   }
+  template <std::size_t size>
+  void add_of_trace(const std::string&, std::array<Column, size> BodyColumns::*) {}  // body by body
 
-  void add_vector(const std::string& letter, const std::string& link, const std::array<Column, 3>& vector) {
-    add(letter + "x" + link, vector[0]);
-    add(letter + "y" + link, vector[1]);
-    add(letter + "z" + link, vector[2]);
+  void add_of_body(const std::string& name, std::size_t body, std::array<Column, 3> BodyColumns::*place) {
+    const auto& [x, y, z] = trace_.bodies[body].*place;
+    const std::string number = std::to_string(body + 1);
+    add(name + "x" + number, x);
+    add(name + "y" + number, y);
+    add(name + "z" + number, z);
   }
+  void add_of_body(const std::string& name, std::size_t body, std::array<Column, 9> BodyColumns::*place) {
+    const std::array<Column, 9>& entries = trace_.bodies[body].*place;
+    for (std::size_t d = 0; d < 9; ++d) add(fmt::format("{}{}{}{}", name, body + 1, d / 3 + 1, d % 3 + 1), entries[d]);
+  }
+  template <class Place>
+  void add_of_body(const std::string&, std::size_t, Place) {}  // of the trace
 
-  std::size_t rows_;
-  Column energy_;
-  Column drift_;
+  const Trace& trace_;
+  std::vector<Column> made_;
   std::string header_;
   std::vector<const double*> columns_;
 };
+
+bool is_number(std::string_view text, std::size_t digits) {
+  return text.size() >= digits && text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+/// Whether what follows the name in a file's header is what the place makes it.
+bool follows(std::string_view rest, Column Trace::*) { return rest.empty(); }
+bool follows(std::string_view rest, Column (*)(const Trace&)) { return rest.empty(); }
+bool follows(std::string_view rest, std::vector<Column> Trace::*) { return is_number(rest, 1); }
+bool follows(std::string_view rest, std::array<Column, 3> BodyColumns::*) {
+  return !rest.empty() && rest[0] >= 'x' && rest[0] <= 'z' && is_number(rest.substr(1), 1);
+}
+bool follows(std::string_view rest, std::array<Column, 9> BodyColumns::*) { return is_number(rest, 3); }
 
 std::string_view next_line(std::string_view& text) {
   const std::size_t end = std::min(text.find('\n'), text.size());
@@ -98,6 +101,15 @@ std::string_view next_cell(std::string_view& line, bool& more) {
 }
 
 }  // namespace
+
+const TraceColumn* trace_column_of(std::string_view cell) {
+  for (const TraceColumn& row : trace_columns) {
+    if (!cell.starts_with(row.name)) continue;
+    const std::string_view rest = cell.substr(row.name.size());
+    if (std::visit([&](auto place) { return follows(rest, place); }, row.place)) return &row;
+  }
+  return nullptr;
+}
 
 std::string trace_csv(const Trace& trace) {
   const Layout layout(trace);

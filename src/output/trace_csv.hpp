@@ -6,11 +6,15 @@
 #include <vector>
 
 #include "odeval/trace.hpp"
+#include "output/trace_columns.hpp"
 
 namespace odeval {
 
 /// One header row, one row a sample; columns the trace does not have are left out.
 std::string trace_csv(const Trace& trace);
+
+/// The table's row of a cell of that header: "gap", "q2", "vx1", "r1211". Null: no trace has such a column.
+const TraceColumn* trace_column_of(std::string_view cell);
 
 /// A file of numbers under a header row.
 struct CsvColumns {

@@ -25,7 +25,7 @@ double slope(double coarse, double fine) { return std::log2(coarse / fine); }
 /// The order on the double pendulum until t = 2, from steps whose errors stand far above the reference's (1e-11 rad).
 void check_order() {
   const auto error = [](double h) {
-    return run(test::report_scenario("double_pendulum", 2, h), 2).metrics.max_error_q.value();
+    return run(test::report_scenario("double_pendulum", 2, h), 2).metrics[quantity::max_error_q].value();
   };
   const double coarse = error(4e-3), middle = error(2e-3), fine = error(1e-3);
   std::printf("until t = 2: %.3g %.3g %.3g rad, order %.2f %.2f\n", coarse, middle, fine, slope(coarse, middle),
@@ -38,14 +38,15 @@ void check_order() {
 void check_double_pendulum() {
   const Run ten = run(test::report_scenario("double_pendulum", 10, 1e-3), 10);
   const Metrics three = measure(ten.evaluation.trace, &ten.reference, 3);
-  std::printf("until t = 3: %.3g rad +- %.2g; 10 s: drift %.3g J, gap %.3g m\n", *three.max_error_q,
-              *three.reference_uncertainty, ten.metrics.max_energy_drift, *ten.metrics.max_gap);
-  CHECK_BETWEEN(*three.max_error_q + *three.reference_uncertainty, 0, 1e-8);
-  CHECK_BETWEEN(ten.metrics.max_energy_drift, 0, 1e-6);
-  CHECK_BETWEEN(*ten.metrics.max_gap, 0, 1e-12);
-  CHECK_BETWEEN(*ten.metrics.max_out_of_plane, 0, 1e-12);
+  std::printf("until t = 3: %.3g rad +- %.2g; 10 s: drift %.3g J, gap %.3g m\n", *three[quantity::max_error_q],
+              *three[quantity::reference_uncertainty], *ten.metrics[quantity::max_energy_drift],
+              *ten.metrics[quantity::max_gap]);
+  CHECK_BETWEEN(*three[quantity::max_error_q] + *three[quantity::reference_uncertainty], 0, 1e-8);
+  CHECK_BETWEEN(*ten.metrics[quantity::max_energy_drift], 0, 1e-6);
+  CHECK_BETWEEN(*ten.metrics[quantity::max_gap], 0, 1e-12);
+  CHECK_BETWEEN(*ten.metrics[quantity::max_out_of_plane], 0, 1e-12);
   // Of up to 100 N, third order: 1.4e-4 N measured, dWorldStep 2.6 N.
-  CHECK_BETWEEN(*three.max_reaction_error, 1e-5, 1e-3);
+  CHECK_BETWEEN(*three[quantity::max_reaction_error], 1e-5, 1e-3);
 }
 
 /// Every impact within 1e-7 s of the reference, which is within 1e-9 s of the closed form (wall_lagrange_test), and the
@@ -62,7 +63,7 @@ void check_wall() {
     CHECK_NEAR(impacts[i].qd_before, wanted.qd_before, 1e-6);
     CHECK_NEAR(impacts[i].qd_after, wanted.qd_after, 1e-6);
   }
-  CHECK_BETWEEN(bounced.metrics.max_energy_drift, 0, 1e-6);
+  CHECK_BETWEEN(*bounced.metrics[quantity::max_energy_drift], 0, 1e-6);
   double contacts = 0;
   for (const double count : bounced.evaluation.trace.contacts) contacts += count;
   CHECK_EQUAL(contacts, 5.0);  // rows of steps with an impact
@@ -71,7 +72,7 @@ void check_wall() {
   Scenario lossy = test::report_scenario("wall_pendulum", 2, 1e-3);
   lossy.wall->restitution = 0.6;
   const Run half = run(lossy, 2);
-  CHECK_BETWEEN(*half.metrics.max_error_q, 0, 1e-8);
+  CHECK_BETWEEN(*half.metrics[quantity::max_error_q], 0, 1e-8);
   lossy.ode.bounce = 0.3;
   const Impact first = run(lossy, 2).evaluation.outcome.impacts.front();
   CHECK_NEAR(-first.qd_after / first.qd_before, 0.3, 1e-10);
@@ -79,9 +80,11 @@ void check_wall() {
 
 /// At equal work far better than dWorldStep: the count of evaluations stands for the time (odeval-accurate-cost).
 void check_gain() {
-  const double ode =
-      run(test::report_scenario("double_pendulum", 2, 1e-4), 2, "ode-step-double").metrics.max_error_q.value();
-  const double accurate = run(test::report_scenario("double_pendulum", 2, 4e-4), 2).metrics.max_error_q.value();
+  const double ode = run(test::report_scenario("double_pendulum", 2, 1e-4), 2, "ode-step-double")
+                         .metrics[quantity::max_error_q]
+                         .value();
+  const double accurate =
+      run(test::report_scenario("double_pendulum", 2, 4e-4), 2).metrics[quantity::max_error_q].value();
   std::printf("dWorldStep h = 1e-4: %.3g rad, accurate h = 4e-4: %.3g rad: %.3g x\n", ode, accurate, ode / accurate);
   CHECK(ode / accurate > 1e6);
 }

@@ -196,7 +196,7 @@ void measure(const Case& wanted, std::size_t rounds, double seconds, const fs::p
       const catalogue::Evaluation evaluation = evaluator.evaluate(method);
       const SampleGrid& rows = evaluator.grid();
       const Metrics metrics = evaluator.measure(evaluation, rows.time(rows.rows - 1));
-      if (evaluation.outcome.diverged || !metrics.max_error_q) return;
+      if (evaluation.outcome.diverged || !metrics[quantity::max_error_q]) return;
       ++done;
     }
   };

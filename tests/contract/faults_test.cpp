@@ -55,7 +55,8 @@ int main() {
   CHECK(refused.outcome.reason.find("take a smaller one in the step from t = ") != std::string::npos);
   CHECK_EQUAL(refused.trace.rows(), static_cast<std::size_t>(refused.outcome.steps + 1));
   CHECK(refused.trace.rows() < static_cast<std::size_t>(evaluator.grid().rows));
-  CHECK_EQUAL(evaluator.measure(refused, 10).max_error_q.value_or(0), std::numeric_limits<double>::infinity());
+  CHECK_EQUAL(evaluator.measure(refused, 10)[quantity::max_error_q].value_or(0),
+              std::numeric_limits<double>::infinity());
 
   // A body ODE would abort on is refused with a message. The reader of scenarios never lets one through.
   Scenario massless = calm;

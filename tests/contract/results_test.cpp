@@ -65,7 +65,7 @@ struct Results {
 
 Results results_of(const char* name, const std::vector<Override>& settings, const char* method) {
   Names names{catalogue::method_names(), {}};
-  for (const MetricRow& row : metric_table()) names.metrics.emplace_back(row.name);
+  for (const Quantity& row : quantities) names.metrics.emplace_back(row.name);
   const Scenario scenario = read_scenario(find_scenario(name, catalogue::scenario_folder()), settings, names);
   catalogue::Evaluator evaluator(scenario);
   const auto run = evaluator.evaluate(catalogue::find_method(method));
@@ -624,7 +624,7 @@ void check_metrics(const Results& results, const Table& table, const json& run) 
                      shown.dump() + ", from the columns " + (wanted ? test::shown(*wanted) : "nothing"));
   };
   const auto whole = metrics_of(results, table, table.rows());
-  for (const MetricRow& row : metric_table()) {
+  for (const Quantity& row : quantities) {
     const std::string name(row.name);
     if (name.starts_with("time_shift") || name.ends_with("_after_shift")) continue;
     CHECK(whole.contains(name));

@@ -110,7 +110,7 @@ const Row rows[] = {
 const Names& names() {
   static const Names all = [] {
     Names names{catalogue::method_names(), {}};
-    for (const MetricRow& row : metric_table()) names.metrics.emplace_back(row.name);
+    for (const Quantity& row : quantities) names.metrics.emplace_back(row.name);
     return names;
   }();
   return all;

@@ -30,8 +30,8 @@ void errors_are_those_of_a_run_of_its_own() {
   alone.sample_s = 0.05;
   catalogue::Evaluator evaluator(alone);
   const auto metrics = evaluator.measure(evaluator.evaluate(find_method("ode-step-double")), 1);
-  CHECK_NEAR(trial.error, *metrics.max_error_q, 1e-13);  // h = 0.05 / 50 is 0.001 but for a rounding
-  CHECK_EQUAL(trial.uncertainty, *metrics.reference_uncertainty);
+  CHECK_NEAR(trial.error, *metrics[quantity::max_error_q], 1e-13);  // h = 0.05 / 50 is 0.001 but for a rounding
+  CHECK_EQUAL(trial.uncertainty, *metrics[quantity::reference_uncertainty]);
   CHECK_NEAR(Accuracy(report_pendulum(), 0.99).row_spacing_s(), 0.0495, 1e-15);
   CHECK_NEAR(accuracy.fitting_step(4e-3), 0.05 / 13, 1e-15);  // 12.5 steps a row, rounded away from zero
   CHECK_EQUAL(accuracy.fitting_step(1), 0.05);

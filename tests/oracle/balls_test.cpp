@@ -24,7 +24,7 @@ constexpr double half_turn = 3.14159265358979323846;
 Scenario shipped(const std::string& name) {
   Names names;
   names.methods = catalogue::method_names();
-  for (const MetricRow& row : metric_table()) names.metrics.emplace_back(row.name);
+  for (const Quantity& row : quantities) names.metrics.emplace_back(row.name);
   return read_scenario(find_scenario(name, catalogue::scenario_folder()), {}, names);
 }
 

@@ -209,7 +209,7 @@ double error(Scenario scenario, double step, std::string_view method, double unt
   scenario.step_s = step;
   Evaluator evaluator(scenario);
   const Evaluation run = evaluator.evaluate(find_method(method));
-  return evaluator.measure(run, until).max_error_position.value_or(NAN);
+  return evaluator.measure(run, until)[quantity::max_error_position].value_or(NAN);
 }
 
 // Over an impact the error is of first order, with a part that depends on where in a step the impact falls: the mean
@@ -229,7 +229,7 @@ void order() {
 // The file's tolerances know a restitution that is off by 1 %, and a g of 9.8.
 void breaks() {
   Names names{catalogue::method_names(), {}};
-  for (const MetricRow& row : metric_table()) names.metrics.emplace_back(row.name);
+  for (const Quantity& row : quantities) names.metrics.emplace_back(row.name);
   const Scenario whole = read_scenario(find_scenario("bouncing_ball", catalogue::scenario_folder()), {}, names);
   const auto failed = [&](const Scenario& broken) {
     int count = 0;

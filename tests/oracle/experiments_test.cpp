@@ -26,7 +26,7 @@ namespace {
 Names known_names() {
   Names names;
   names.methods = catalogue::method_names();
-  for (const MetricRow& row : metric_table()) names.metrics.emplace_back(row.name);
+  for (const Quantity& row : quantities) names.metrics.emplace_back(row.name);
   return names;
 }
 

@@ -23,7 +23,7 @@ using std::numbers::pi;
 
 Names names() {
   Names names{catalogue::method_names(), {}};
-  for (const MetricRow& row : metric_table()) names.metrics.emplace_back(row.name);
+  for (const Quantity& row : quantities) names.metrics.emplace_back(row.name);
   return names;
 }
 
@@ -152,7 +152,7 @@ Stop stop(Scenario scenario, double direction, std::string_view method) {
   const auto& position = run.trace.bodies[0].position;
   const double x = position[0].back() - position[0].front();
   const double y = position[1].back() - position[1].front();
-  return {std::hypot(x, y), evaluator.measure(run, scenario.duration_s).rest_time.value_or(NAN),
+  return {std::hypot(x, y), evaluator.measure(run, scenario.duration_s)[quantity::rest_time].value_or(NAN),
           std::atan2(y, x) - direction};
 }
 
@@ -182,7 +182,7 @@ void order() {
     scenario.step_s = step;
     Evaluator evaluator(scenario);
     const Evaluation run = evaluator.evaluate(find_method("ode-step-double"));
-    return evaluator.measure(run, scenario.duration_s).max_error_position.value_or(NAN);
+    return evaluator.measure(run, scenario.duration_s)[quantity::max_error_position].value_or(NAN);
   };
   const double coarse = error(2e-3);
   const double fine = error(2.5e-4);

@@ -57,7 +57,8 @@ void check_erp_reaches_the_engine() {
     Scenario scenario = test::report_scenario("double_pendulum", 1.0, 1e-3);
     scenario.ode.erp = erp;
     catalogue::Evaluator evaluator(scenario);
-    return evaluator.measure(evaluator.evaluate(catalogue::find_method("ode-step-double")), 1.0).max_gap.value();
+    return evaluator.measure(evaluator.evaluate(catalogue::find_method("ode-step-double")), 1.0)[quantity::max_gap]
+        .value();
   };
   CHECK_BETWEEN(gap(0.2) / gap(0.8), 2, 8);
 }

@@ -239,7 +239,8 @@ Errors errors_of(Scenario scenario, double step_s) {
   catalogue::Evaluator evaluator(scenario);
   const auto run = evaluator.evaluate(catalogue::find_method("ode-step-double"));
   const Metrics metrics = evaluator.measure(run, scenario.duration_s);
-  return {metrics.max_error_position.value(), metrics.max_reaction_error.value(), *metrics.position_uncertainty};
+  return {metrics[quantity::max_error_position].value(), metrics[quantity::max_reaction_error].value(),
+          *metrics[quantity::position_uncertainty]};
 }
 
 // First order for each damping, positions and forces; 0.95 to 1.05 leaves room for the next term from 4 to 0.5 ms.
@@ -311,7 +312,7 @@ void two_bodies() {
   scenario.ode.cfm = 0;
   catalogue::Evaluator evaluator(scenario);
   const auto run = evaluator.evaluate(catalogue::find_method("ode-step-double"));
-  CHECK_BETWEEN(evaluator.measure(run, 0.5).max_error_position.value(), 0, 1e-13);
+  CHECK_BETWEEN(evaluator.measure(run, 0.5)[quantity::max_error_position].value(), 0, 1e-13);
   const auto& z0 = run.trace.bodies[0].position[2];
   const auto& z1 = run.trace.bodies[1].position[2];
   for (std::size_t k = 1; k < 100; ++k) {

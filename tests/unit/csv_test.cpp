@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 #include <random>
+#include <set>
 
 #include "odeval/error.hpp"
 #include "output/number.hpp"
@@ -102,6 +103,32 @@ void columns_stand_in_their_order() {
   CHECK_EQUAL(table.columns[8][1], 2.0);      // energy_drift
 }
 
+// Whoever reads a file finds the table's row of each of its columns, of body 12 as well, and none for other words.
+void columns_are_known_by_their_names() {
+  Trace trace = numbered_trace(12, true, true);
+  for (auto* columns : {&trace.error_position, &trace.error_turn}) columns->assign(12, Column(2));
+  for (auto* column : {&trace.angular_momentum_drift, &trace.penetration}) column->assign(2, 0.0);
+  std::set<const TraceColumn*> seen;
+  for (const std::string& name : parse_csv(trace_csv(trace), "text").header) {
+    const TraceColumn* const row = trace_column_of(name);
+    CHECK(row != nullptr && name.starts_with(row->name));
+    seen.insert(row);
+  }
+  CHECK_EQUAL(seen.size(), std::size(trace_columns));
+  const auto row = [](const char* name) { return trace_column_of(name)->name; };
+  CHECK_EQUAL(row("q12"), "q");
+  CHECK_EQUAL(row("qd1"), "qd");
+  CHECK_EQUAL(row("error_q2"), "error_q");
+  CHECK_EQUAL(row("r1211"), "r");
+  CHECK_EQUAL(row("z3"), "");
+  CHECK_EQUAL(trace_column_of("vy1")->unit, "m/s");
+  CHECK(trace_column_of("contacts")->exact && trace_column_of("t")->exact && !trace_column_of("gap")->exact);
+  CHECK(trace_column_of("q1")->uncertainty == quantity::reference_uncertainty && !trace_column_of("qd1")->uncertainty);
+  for (const char* other : {"", "q", "1", "qd", "x", "u1", "r11", "vz", "gap1", "tt", "q1x"}) {
+    CHECK(trace_column_of(other) == nullptr);
+  }
+}
+
 // A locale with a decimal comma must not reach the file; where none is installed there is nothing to see.
 void locale_does_not_matter() {
   for (const char* name : {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8"}) std::setlocale(LC_ALL, name);
@@ -129,6 +156,7 @@ int main() {
   numbers_come_back_bit_for_bit();
   numbers_are_short();
   columns_stand_in_their_order();
+  columns_are_known_by_their_names();
   locale_does_not_matter();
   broken_files_are_refused();
   return odeval::test::verdict();

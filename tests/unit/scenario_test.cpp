@@ -27,7 +27,7 @@ const Names names{
      "dh-ode45", "maximal-euler", "maximal-rk4", "maximal-ode-step", "analytic"},
     [] {
       std::vector<std::string> all;
-      for (const MetricRow& row : metric_table()) all.emplace_back(row.name);
+      for (const Quantity& row : quantities) all.emplace_back(row.name);
       return all;
     }()};
 

@@ -38,14 +38,14 @@ RunSummary example() {
   run.uses_ode = true;
   run.outcome.steps = 2500;
   run.outcome.impacts = {{0.5, -1.62, -5.0, 4.0, 1e-3}, {1.5, -1.62, 0.0, 4.0, 0}};
-  run.metrics.max_error_q = 0.25;
-  run.metrics.rms_error_q = infinity;
-  run.metrics.reference_uncertainty = 6e-12;
-  run.metrics.max_energy_drift = 1e-4;
+  run.metrics[quantity::max_error_q] = 0.25;
+  run.metrics[quantity::rms_error_q] = infinity;
+  run.metrics[quantity::reference_uncertainty] = 6e-12;
+  run.metrics[quantity::max_energy_drift] = 1e-4;
   run.error_at.resize(2);
   run.error_at[0].until_s = 1;
-  run.error_at[0].max_error_q = 0.0089;
-  run.error_at[0].reference_uncertainty = 6e-12;
+  run.error_at[0][quantity::max_error_q] = 0.0089;
+  run.error_at[0][quantity::reference_uncertainty] = 6e-12;
   run.error_at[1].until_s = 2;
   run.versions = {{"odeval", "1"}, {"ode", "0.16.2"}};
   return run;
@@ -128,6 +128,27 @@ void csv_has_a_row_a_method() {
   CHECK(summary_csv({broken}).find(",true,\"said \"\"no\"\", twice and stopped\",") != std::string::npos);
 }
 
+// Of a run with angles their errors and bounds, of one with bodies theirs, known or not; the clock's of both.
+void errors_are_of_what_the_run_has() {
+  const auto names = [](const RunSummary& run) {
+    std::vector<std::string> all;
+    const json summary = json::parse(summary_json(run));
+    for (const auto& [name, value] : summary["error_at"]["2"].items()) all.push_back(name);
+    std::ranges::sort(all);
+    return all;
+  };
+  RunSummary run = example();
+  run.metrics[quantity::max_long_axis_spin] = 0.5;  // of links, which the reference bounds no spin of
+  CHECK(names(run) == std::vector<std::string>({"error_q_after_shift", "max_error_q", "reference_uncertainty",
+                                                "rms_error_q", "time_shift", "time_shift_uncertainty"}));
+  run.metrics = {};
+  run.metrics[quantity::max_error_turn] = 0.5;
+  run.metrics[quantity::turn_uncertainty] = 1e-9;
+  CHECK(names(run) == std::vector<std::string>({"error_position_after_shift", "max_error_position", "max_error_turn",
+                                                "max_long_axis_spin", "position_uncertainty", "spin_uncertainty",
+                                                "time_shift", "time_shift_uncertainty", "turn_uncertainty"}));
+}
+
 // A spring is shown as it was given and as ODE was told, whatever erp and cfm say; without one the softness as both.
 void softness_is_shown_both_ways() {
   RunSummary run = example();
@@ -152,9 +173,9 @@ void softness_is_shown_both_ways() {
 RunSummary shifted(double steps, double left) {
   RunSummary run = example();
   for (Metrics& until : run.error_at) {
-    until.max_error_q = 4e-3 * until.until_s;
-    until.time_shift = steps * run.grid.step_s;
-    until.error_q_after_shift = left * *until.max_error_q;
+    until[quantity::max_error_q] = 4e-3 * until.until_s;
+    until[quantity::time_shift] = steps * run.grid.step_s;
+    until[quantity::error_q_after_shift] = left * *until[quantity::max_error_q];
   }
   return run;
 }
@@ -171,7 +192,7 @@ void the_report_of_a_run_gives_hints() {
   second.method = "ode-quickstep-double";
   CHECK(says(run_report({second, shifted(0.46, 0.05)}, {}, Reference{}), hint));
   RunSummary early = shifted(0.46, 0.05);
-  early.error_at[1].error_q_after_shift = early.error_at[1].max_error_q;
+  early.error_at[1][quantity::error_q_after_shift] = early.error_at[1][quantity::max_error_q];
   CHECK(says(report(early), "half step  to 1 s"));
   CHECK(!says(report(shifted(0.46, 0.11)), "half step"));
   CHECK(!says(report(shifted(0.39, 0.05)), "half step"));
@@ -207,38 +228,38 @@ void printed_tables_hold_their_numbers() {
   };
   RunSummary run = example();
   run.error_at.resize(3);
-  run.error_at[1].max_error_q = 0.021;
-  run.error_at[1].max_error_position = run.error_at[1].max_error_turn = 0.021;
+  run.error_at[1][quantity::max_error_q] = 0.021;
+  run.error_at[1][quantity::max_error_position] = run.error_at[1][quantity::max_error_turn] = 0.021;
   run.error_at[2].until_s = 3;
-  run.error_at[2].max_error_q = 0.03;
-  run.error_at[2].reference_uncertainty = 7e-12;
-  run.metrics.divergence_time = 2.25;
-  run.metrics.max_gap = 3e-5;
-  run.metrics.max_out_of_plane = 4e-5;
+  run.error_at[2][quantity::max_error_q] = 0.03;
+  run.error_at[2][quantity::reference_uncertainty] = 7e-12;
+  run.metrics[quantity::divergence_time] = 2.25;
+  run.metrics[quantity::max_gap] = 3e-5;
+  run.metrics[quantity::max_out_of_plane] = 4e-5;
   same(summary_table({run}, std::vector<double>{1250}), {"ode-step-double", "0.0089 ± 6e-12", "0.03 ± 7e-12",
                                                          "0.25 ± 6e-12", "2.25", "0.0001", "3e-05", "2", "1.25", "ok"});
-  run.metrics.reference_uncertainty = 1.5;  // rad: nobody knows
+  run.metrics[quantity::reference_uncertainty] = 1.5;  // rad: nobody knows
   CHECK_EQUAL(first_row(summary_table({run}, {})).at(3), "reference lost");
   same(impacts_table({run}, {{0.4921, -1.62, -5, 5, 0}}),
        {"ode-step-double", "1", "0.5", "-1.62", "-5", "4", "0.8", "0.001", "+0.0079"});
   run.outcome.impacts[0].link = 2;
   CHECK_EQUAL(first_row(impacts_table({run}, {})).at(1), "1 of 2");
 
-  run.scenario.problem = &*std::ranges::find(problems, "free_box", &Problem::name);
-  run.error_at[0].max_error_position = 0.125;
-  run.error_at[0].position_uncertainty = 1e-15;
-  run.error_at[0].max_error_turn = 0.25;
-  run.error_at[0].turn_uncertainty = 2e-15;
-  run.metrics.max_error_position = 0.5;
-  run.metrics.position_uncertainty = 3e-15;
-  run.metrics.max_error_turn = 0.75;
-  run.metrics.turn_uncertainty = 4e-15;
-  run.metrics.max_angular_momentum_drift = 5e-3;
-  run.metrics.max_reaction_error = 6e-3;
+  run.metrics = {};
+  run.metrics[quantity::max_energy_drift] = 1e-4;
+  run.error_at[0][quantity::max_error_position] = 0.125;
+  run.error_at[0][quantity::position_uncertainty] = 1e-15;
+  run.error_at[0][quantity::max_error_turn] = 0.25;
+  run.error_at[0][quantity::turn_uncertainty] = 2e-15;
+  run.metrics[quantity::max_error_position] = 0.5;
+  run.metrics[quantity::position_uncertainty] = 3e-15;
+  run.metrics[quantity::max_error_turn] = 0.75;
+  run.metrics[quantity::turn_uncertainty] = 4e-15;
+  run.metrics[quantity::max_angular_momentum_drift] = 5e-3;
   same(summary_table({run}, std::vector<double>{1250}),
        {"ode-step-double", "0.125 ± 1e-15", "0.5 ± 3e-15", "0.25 ± 2e-15", "0.75 ± 4e-15", "0.0001", "0.005", "2",
         "1.25", "ok"});
-  run.scenario.joint = Joint{};
+  run.metrics[quantity::max_reaction_error] = 6e-3;
   CHECK_EQUAL(first_row(summary_table({run}, {})).at(6), "0.006");
 }
 
@@ -267,7 +288,9 @@ void the_report_of_a_run_says_what_it_is() {
   run.outcome.impacts.clear();
   CHECK(!says(report(), "depth, m"));
 
-  run.scenario.problem = &*std::ranges::find(problems, "free_box", &Problem::name);
+  run.metrics = {};
+  run.metrics[quantity::max_error_position] = 0.5;
+  run.metrics[quantity::position_uncertainty] = 1e-15;
   const std::string bodies = report();
   CHECK(says(bodies, "\ndistance   largest distance of a body from the reference"));
   CHECK(says(bodies, "\nturned     likewise the angle"));
@@ -279,37 +302,15 @@ void csv_holds_every_number() {
   RunSummary run = example();
   Metrics& m = run.metrics;
   double next = 100;
-  for (std::optional<double>* metric : {&m.max_error_q,
-                                        &m.rms_error_q,
-                                        &m.reference_uncertainty,
-                                        &m.divergence_time,
-                                        &m.max_gap,
-                                        &m.max_out_of_plane,
-                                        &m.max_reaction_error,
-                                        &m.max_error_position,
-                                        &m.max_error_turn,
-                                        &m.position_uncertainty,
-                                        &m.turn_uncertainty,
-                                        &m.max_angular_momentum_drift,
-                                        &m.max_long_axis_spin,
-                                        &m.spin_uncertainty,
-                                        &m.max_penetration,
-                                        &m.rest_time,
-                                        &m.time_shift,
-                                        &m.time_shift_uncertainty,
-                                        &m.error_q_after_shift,
-                                        &m.error_position_after_shift}) {
-    *metric = ++next;
-  }
-  m.rms_energy_drift = ++next;
-  m.final_energy_drift = -++next;
+  for (const Quantity& row : quantities) m[row.id] = ++next;
+  m[quantity::final_energy_drift] = -++next;
   run.error_at.clear();
   for (const double time : error_times) {
     Metrics& at = run.error_at.emplace_back();
     at.until_s = time;
-    at.max_error_q = time / 8;
-    at.rms_error_q = time / 16;
-    at.reference_uncertainty = time / 1024;
+    at[quantity::max_error_q] = time / 8;
+    at[quantity::rms_error_q] = time / 16;
+    at[quantity::reference_uncertainty] = time / 1024;
   }
   run.outcome.evaluations = 77;
   run.outcome.at_rest_from = 2.25;
@@ -320,7 +321,11 @@ void csv_holds_every_number() {
   CHECK_EQUAL(values.size(), names.size());
   std::vector<std::pair<std::string, double>> wanted{{"step", 1e-3},      {"duration", 2.5},      {"steps", 2500},
                                                      {"evaluations", 77}, {"at_rest_from", 2.25}, {"impacts", 2}};
-  for (const MetricRow& row : metric_table()) wanted.emplace_back(row.name, row.value(m).value());
+  const json same = json::parse(summary_json(run));
+  for (const Quantity& row : quantities) {
+    wanted.emplace_back(row.name, m[row.id].value());
+    CHECK_EQUAL(same.at(std::string(row.name)).get<double>(), m[row.id].value());
+  }
   for (const auto& [name, at] :
        {std::pair{"_at_1", 1.0}, {"_at_2", 2.0}, {"_at_3", 3.0}, {"_at_5", 5.0}, {"_at_10", 10.0}}) {
     wanted.emplace_back("max_error_q" + std::string(name), at / 8);
@@ -437,10 +442,10 @@ void a_row_of_a_sweep_holds_every_metric() {
   outcome.evaluations = 202;
   outcome.messages = 303;
   Metrics metrics;
-  metrics.max_error_q = 0.1;
-  metrics.max_energy_drift = 1e-300;
-  metrics.final_energy_drift = -2.5;
-  metrics.max_gap = infinity;
+  metrics[quantity::max_error_q] = 0.1;
+  metrics[quantity::max_energy_drift] = 1e-300;
+  metrics[quantity::final_energy_drift] = -2.5;
+  metrics[quantity::max_gap] = infinity;
   const std::vector<std::string> columns = result_columns();
   const std::string row = result_cells(outcome, metrics);
   const auto value = [&](std::string_view name) {
@@ -450,8 +455,8 @@ void a_row_of_a_sweep_holds_every_metric() {
   CHECK_EQUAL(value("steps"), 101.0);
   CHECK_EQUAL(value("evaluations"), 202.0);
   CHECK_EQUAL(value("messages"), 303.0);
-  for (const MetricRow& metric : metric_table()) {
-    const std::optional<double> wanted = metric.value(metrics);
+  for (const Quantity& metric : quantities) {
+    const std::optional<double> wanted = metrics[metric.id];
     CHECK(wanted ? value(metric.name) == *wanted : std::isnan(value(metric.name)));
   }
   CHECK(std::isnan(number_in(row, columns.size())));
@@ -541,6 +546,7 @@ void missing_timings_stay_missing() {
 
 int main() {
   json_has_the_keys_of_the_interface();
+  errors_are_of_what_the_run_has();
   softness_is_shown_both_ways();
   csv_has_a_row_a_method();
   csv_holds_every_number();

@@ -38,10 +38,10 @@ std::string cells(std::optional<double> error, double uncertainty, double gap, d
   Outcome outcome;
   outcome.steps = 1000;
   Metrics metrics;
-  metrics.max_error_q = error;
-  if (error) metrics.reference_uncertainty = uncertainty;
-  metrics.max_gap = gap;
-  metrics.final_energy_drift = energy;
+  metrics[quantity::max_error_q] = error;
+  if (error) metrics[quantity::reference_uncertainty] = uncertainty;
+  metrics[quantity::max_gap] = gap;
+  metrics[quantity::final_energy_drift] = energy;
   return result_cells(outcome, metrics);
 }
 
