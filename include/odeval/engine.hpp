@@ -22,11 +22,12 @@ class Simulation {
 
   /// Moves from t = 0 to the end of the grid, once. A recorder that records gets a sample a row (t = 0 included);
   /// without one, it does nothing but step, which is what `bench` times.
-  /// A run that blows up ends early with the samples so far and `diverged` set.
+  /// A run that blows up ends early with the samples so far and `diverged` set. Throws MachineError when the machine
+  /// fails (no memory for a step), never for what the motion does.
   virtual Outcome run(Recorder recorder) = 0;
 };
 
-/// Throws UserError when the scenario asks for what the engine cannot do.
+/// Throws UserError when the scenario asks for what the engine cannot do, MachineError when the engine refuses it.
 using MakeSimulation = std::unique_ptr<Simulation> (*)(const Scenario&, const SampleGrid&);
 
 /// What a scenario may ask of an engine beyond one link that swings freely.
@@ -47,21 +48,26 @@ enum class Feature : std::uint8_t {
 /// The features in words ("friction"), in the order of the enumeration.
 std::span<const std::string_view> feature_names();
 
-/// A set of features.
+/// A set of features: a bit each.
 class Features {
  public:
+  /// None.
   constexpr Features() = default;
   constexpr Features(std::initializer_list<Feature> features) {
     for (const Feature feature : features) bits_ |= bit(feature);
   }
+  /// Whether it is in the set.
   constexpr bool has(Feature feature) const { return (bits_ & bit(feature)) != 0; }
+  /// Whether nothing is.
   constexpr bool empty() const { return bits_ == 0; }
+  /// Puts it into the set.
   constexpr void add(Feature feature) { bits_ |= bit(feature); }
   /// Those of a that b lacks.
   friend constexpr Features operator-(Features a, Features b) {
     a.bits_ &= ~b.bits_;
     return a;
   }
+  /// Those of a and those of b.
   friend constexpr Features operator|(Features a, Features b) {
     a.bits_ |= b.bits_;
     return a;
@@ -72,10 +78,10 @@ class Features {
   std::uint32_t bits_ = 0;
 };
 
-/// What a scenario asks of whoever moves it.
+/// What a scenario asks of whoever moves it: read off its mechanism and its views, not off its name.
 Features features_of(const Scenario& scenario);
 
-/// "no friction, no stops": what is asked and not there.
+/// "no friction, no stops": what is asked and not there, in the order of the enumeration. Empty of an empty set.
 std::string lacking(Features lacking);
 
 /// A key that an engine reads, and where it makes a difference.

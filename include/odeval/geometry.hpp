@@ -8,32 +8,39 @@
 
 namespace odeval {
 
-/// x, y, z. World frame unless it says otherwise: z points up.
+/// x, y, z, in m, m/s, rad/s, N as the name says. World frame unless it says otherwise: z points up, gravity along -z.
 using Vec3 = std::array<double, 3>;
 
+/// Body to world, nine numbers by rows: column k is the body's axis k in the world.
+using Rotation = std::array<double, 9>;
+
+/// a . b
 constexpr double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+/// a x b, right-handed.
 constexpr Vec3 cross(const Vec3& a, const Vec3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
+// Element by element.
 constexpr Vec3 operator+(const Vec3& a, const Vec3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 constexpr Vec3 operator-(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 constexpr Vec3 operator*(double s, const Vec3& a) { return {s * a[0], s * a[1], s * a[2]}; }
 
-/// Euclidean, without protection against overflow.
+/// Euclidean, without protection against overflow: infinite where a square is.
 inline double length(const Vec3& a) { return std::sqrt(dot(a, a)); }
+/// Between two points, in their unit.
 inline double distance(const Vec3& a, const Vec3& b) { return length(a - b); }
 
-/// The direction of a vector that has one.
+/// The direction of a vector; not a number of one that has none.
 inline Vec3 unit(const Vec3& a) { return (1 / length(a)) * a; }
 
-/// A direction that is fixed in a body, in the world; `rotation` is body to world, by rows.
-constexpr Vec3 turned(const std::array<double, 9>& rotation, const Vec3& v) {
+/// A direction that is fixed in a body, in the world. Any nine numbers by rows do, so that it is a matrix times a vector.
+constexpr Vec3 turned(const Rotation& rotation, const Vec3& v) {
   return {dot({rotation[0], rotation[1], rotation[2]}, v), dot({rotation[3], rotation[4], rotation[5]}, v),
           dot({rotation[6], rotation[7], rotation[8]}, v)};
 }
 
-/// One of a body's own axes (0, 1, 2) in the world: a column of its rotation.
-constexpr Vec3 axis_of(const std::array<double, 9>& rotation, std::size_t axis) {
+/// One of a body's own axes (0, 1, 2) in the world, unit: a column of its rotation.
+constexpr Vec3 axis_of(const Rotation& rotation, std::size_t axis) {
   return {rotation[axis], rotation[3 + axis], rotation[6 + axis]};
 }
 

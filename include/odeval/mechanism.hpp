@@ -15,24 +15,28 @@ namespace odeval {
 
 // ---- Shapes, with their centre in a body's centre of mass and their sides along its axes
 
+/// A box; a shape's sides are whole ones, not halves.
 struct Box {
-  Vec3 sides_m{};
+  Vec3 sides_m{};  // along the body's x, y, z
 };
+/// A ball.
 struct Sphere {
   double diameter_m = 0;
 };
+/// One shape a body. It is what touches, what is drawn and, by default, where the mass is.
 using Shape = std::variant<Box, Sphere>;
 
 /// Sides of the box around a shape, m; of a sphere the diameter, three times.
 Vec3 sides_m(const Shape& shape);
+/// Whether it looks the same from every side: what has no edges to draw and no axes to turn.
 inline bool is_sphere(const Shape& shape) { return std::holds_alternative<Sphere>(shape); }
 
 // ---- Bodies
 
-/// Turned by an angle about a unit vector.
+/// Turned by an angle about a unit vector, by the right hand.
 struct AxisAngle {
-  Vec3 axis{};
-  double angle_rad = 0;
+  Vec3 axis{};           // unit, the same in the world and in the body
+  double angle_rad = 0;  // of any size
 };
 /// How a body is turned from the world's axes, in the form in which it was said: a rotation vector (rad), or an axis and
 /// an angle. An engine takes it in that form: through the other the same attitude differs in its last bits.
@@ -43,18 +47,18 @@ Vec3 rotation_vector(const Attitude& attitude);
 
 /// A rigid body and how it starts.
 struct Body {
-  Shape shape;
-  double mass_kg = 0;
+  Shape shape;            // with its centre in the centre of mass
+  double mass_kg = 0;     // > 0
   Vec3 position_m{};    // of its centre of mass
   Attitude attitude{};  // of its own axes
   Vec3 velocity_m_s{};  // of its centre of mass
-  Vec3 spin_rad_s{};
+  Vec3 spin_rad_s{};    // angular velocity
   /// Inertia tensor about the centre of mass along the body's own axes, by rows, symmetric, kg m². Absent: that of a
   /// uniform solid of the body's shape.
   std::optional<std::array<double, 9>> inertia_kgm2 = {};
-  std::string name = {};
+  std::string name = {};  // for contacts and tables; need not be there
 
-  /// Moments of a uniform solid about its own axes, kg m².
+  /// Moments of a uniform solid about its own axes, kg m²: m (y² + z²) / 12 and so on of a box, m d² / 10 of a ball.
   Vec3 uniform_moments_kgm2() const;
   /// Number of its own axis along the longest side; of equally long ones the last.
   std::size_t long_axis() const;
@@ -80,23 +84,23 @@ const Vec3& anchor_m(const JointKind& kind);
 /// Drives a joint along its axis at a speed, with no more than a force. Positive turns the first body about the axis
 /// against the second, or against the world.
 struct Motor {
-  double speed_rad_s = 0;
-  double most_torque_Nm = 0;
+  double speed_rad_s = 0;     // wanted
+  double most_torque_Nm = 0;  // never more, either way
 };
 /// Ends of a joint's way, counted as the motor counts, from where the joint stands at t = 0.
 struct Stop {
-  double low_rad = 0;
-  double high_rad = 0;
-  double restitution = 0;
+  double low_rad = 0;      // at most 0, where the joint starts
+  double high_rad = 0;     // at least 0
+  double restitution = 0;  // speed after striking the end over speed before
 };
 
 /// Between two bodies, or a body and the world.
 struct Joint {
   JointKind kind;
-  std::size_t first = 0;              // number of a body
+  std::size_t first = 0;              // number of a body: ODE's first
   std::optional<std::size_t> second;  // absent: the world
   Vec3 opening_m{};                   // by how much the first body stands away from its place in the closed joint
-  std::optional<Motor> motor = {};    // of a hinge
+  std::optional<Motor> motor = {};    // of a hinge; a ball joint has no axis to drive
   std::optional<Stop> stop = {};      // of a hinge
 
   /// The body whose force the joint tells: the second, or the first where the second is the world.
@@ -126,6 +130,7 @@ enum class FrictionModel {
   pyramid,   // a coefficient times the normal force (ODE's dContactApprox1)
   constant,  // a force, whatever the normal force is
 };
+/// What bounds friction, and by how much.
 struct Friction {
   double limit = 0;  // a coefficient; in the constant-force model newtons, of a whole body
   FrictionModel model = FrictionModel::pyramid;
@@ -143,17 +148,18 @@ struct Contact {
   bool is_between(std::string_view a, std::string_view b) const;
 };
 
+/// Everything that moves and what it can meet. Numbers of bodies and joints are places in these lists.
 struct Mechanism {
-  std::vector<Body> bodies;
-  std::vector<Joint> joints;
-  std::vector<Obstacle> obstacles;
-  std::vector<Contact> contacts;
+  std::vector<Body> bodies;         // in the order of columns in traces
+  std::vector<Joint> joints;        // in the order in which an engine is given them
+  std::vector<Obstacle> obstacles;  // what stands still
+  std::vector<Contact> contacts;    // who may touch whom; empty: nobody anybody
 };
 
 /// A body's joint for tables that show one force a body: the one that carries it, or else the first that it is part of.
 struct Carrier {
-  std::size_t joint = 0;
-  double sign = 1;  // -1: the joint tells the force on the other body
+  std::size_t joint = 0;  // number
+  double sign = 1;        // -1: the joint tells the force on the other body
 };
 /// Nothing when no joint holds the body.
 std::optional<Carrier> carrier_of(const Mechanism& mechanism, std::size_t body);

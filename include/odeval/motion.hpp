@@ -27,26 +27,32 @@ struct JointState {
 
 /// How much one sample holds. Bodies and joints, or joint coordinates: what a method does not have is 0.
 struct SampleShape {
-  std::size_t bodies = 0;
-  std::size_t joints = 0;
-  std::size_t coordinates = 0;
+  std::size_t bodies = 0;       // in the order of Mechanism::bodies
+  std::size_t joints = 0;       // in the order of Mechanism::joints
+  std::size_t coordinates = 0;  // in the order of PlanarView::links
 };
 
 /// One sample of a motion; the spans are as long as the motion's shape says.
 template <class Body, class Joint, class Number>
 struct BasicSample {
-  std::span<Body> bodies;
-  std::span<Joint> joints;
-  std::span<Number> q;   // rad
-  std::span<Number> qd;  // rad/s
-  Number& contacts;      // contact joints in the step that led here
+  std::span<Body> bodies;   // world frame
+  std::span<Joint> joints;  // world frame
+  std::span<Number> q;      // rad, relative as in PlanarView::q0
+  std::span<Number> qd;     // rad/s
+  Number& contacts;         // contact joints in the step that led here
 };
+/// To write.
 using Sample = BasicSample<BodyState, JointState, double>;
+/// To read.
 using ConstSample = BasicSample<const BodyState, const JointState, const double>;
 
 /// Samples in the order of time, in memory that is allocated and touched before the run starts.
+///
+/// Times are not here: sample k stands at SampleGrid::time(k). A run that ends early leaves fewer samples than the grid
+/// has rows.
 class Motion {
  public:
+  /// Room for `capacity` samples, all zero.
   Motion(const SampleShape& shape, std::size_t capacity)
       : shape_(shape),
         bodies_(shape.bodies * capacity),
@@ -54,9 +60,12 @@ class Motion {
         coordinates_(2 * shape.coordinates * capacity),
         contacts_(capacity) {}
 
+  /// What each sample holds.
   const SampleShape& shape() const { return shape_; }
+  /// Samples so far.
   std::size_t size() const { return size_; }
 
+  /// Sample k < size(); its spans stay valid as long as the motion.
   Sample operator[](std::size_t k) { return sample<Sample>(*this, k); }
   ConstSample operator[](std::size_t k) const { return sample<ConstSample>(*this, k); }
 
@@ -88,8 +97,10 @@ class Recorder {
  public:
   /// Records nothing: what `bench` times.
   Recorder() = default;
+  /// Fills the motion, which must outlive it.
   explicit Recorder(Motion& motion) : motion_(&motion) {}
 
+  /// Whether anybody records.
   explicit operator bool() const { return motion_ != nullptr; }
 
   /// The next sample to fill. Only where something is recorded.
@@ -102,13 +113,13 @@ class Recorder {
 };
 
 /// One touch. `depth` is how far the engine let the bodies overlap (0 where the method locates the touch). What
-/// `coordinate` and the rates are, the scenario's impact view says: an angle and its rate, or a height and a speed.
+/// q1 and the rates are, the scenario's impact view says: an angle and its rate, or a height and a speed.
 struct Impact {
-  double t = 0;
-  double q1 = 0;  // rad, or m above a ground
-  double qd_before = 0;
-  double qd_after = 0;
-  double depth = 0;
+  double t = 0;          // s, of the step in which it began, or of the touch itself
+  double q1 = 0;         // rad, or m above a ground
+  double qd_before = 0;  // rad/s, or m/s away from what is struck
+  double qd_after = 0;   // likewise
+  double depth = 0;      // m
   std::optional<int> link = {};  // which of several links, from 1
 };
 
@@ -121,7 +132,7 @@ struct Outcome {
   long messages = 0;                      // warnings of the engine
   double at_rest_from = -1;               // s, when a cascade of impacts came to rest; < 0: never
   std::optional<double> self_difference;  // rad, largest difference between a method's own runs at two step sizes
-  std::vector<Impact> impacts;
+  std::vector<Impact> impacts;            // in the order of time
 };
 
 }  // namespace odeval

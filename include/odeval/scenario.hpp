@@ -15,20 +15,23 @@
 
 namespace odeval {
 
+/// Which velocities ODE starts with: those of t = 0, or those of half a step before, to which its stored velocities
+/// belong (claim O1).
 enum class Start { as_given, half_step };
 
 /// Along what the two forces of a contact's friction act: ODE's own choice, or the way the contact slides and across.
 enum class FrictionAxes { plane_space, sliding };
+
 /// How ODE holds a joint together: the part of an error that a step takes back, and how far a force opens it.
 struct Softness {
-  double erp = 0;
-  double cfm = 0;
+  double erp = 0;  // 0 to 1
+  double cfm = 0;  // s/kg, of a linear row: m/s that 1 N of force opens it by
 };
 
 /// The same as a spring and a damper.
 struct Spring {
-  double kp_N_m = 0;
-  double kd_Ns_m = 0;
+  double kp_N_m = 0;   // stiffness
+  double kd_Ns_m = 0;  // damping
 };
 
 /// Report, eqs. 3.6 and 3.7. The same spring is another softness at another step.
@@ -44,18 +47,18 @@ constexpr Spring spring_of(const Softness& softness, double step_s) {
 
 /// ODE's own settings. Every one is set explicitly in each world, so no default of a build shows through.
 struct OdeSettings {
-  double erp = 0.2;
-  double cfm = 1e-5;
+  double erp = 0.2;   // of joints and contacts alike: the world's
+  double cfm = 1e-5;  // likewise
   std::optional<Spring> spring;  // in the place of erp and cfm
-  int iterations = 20;
-  double sor_w = 1.3;
+  int iterations = 20;           // of QuickStep, each over all rows
+  double sor_w = 1.3;            // of QuickStep: over-relaxation, 0 to 2
   std::optional<double> bounce;  // absent: the restitution of wall or ground
-  double bounce_vel = 0;
-  double max_correcting_vel = std::numeric_limits<double>::infinity();
-  double surface_layer = 0;
+  double bounce_vel = 0;         // m/s: slower contacts do not bounce
+  double max_correcting_vel = std::numeric_limits<double>::infinity();  // m/s, that mends an overlap
+  double surface_layer = 0;                                             // m of overlap that is left alone
   FrictionAxes friction_axes = FrictionAxes::plane_space;
   Start start = Start::as_given;
-  std::uint32_t seed = 0;
+  std::uint32_t seed = 0;  // of QuickStep's order of rows
   bool gyroscopic = true;  // the torque -w x (I w) of a tumbling body
 
   /// What ODE is given at this step.
@@ -74,16 +77,16 @@ struct MaximalSettings {
 
 /// A promise about one metric of one method, enforced by `odeval check`.
 struct Tolerance {
-  std::string method;
-  std::string metric;
-  double until_s = 0;
-  std::optional<double> at_most;
-  std::optional<double> at_least;
+  std::string method;              // name
+  std::string metric;              // name of a quantity
+  double until_s = 0;              // its last sample
+  std::optional<double> at_most;   // in the quantity's unit
+  std::optional<double> at_least;  // likewise; one of the two is there
 };
 
 /// Which touches are told as impacts, and in which coordinate: the view for those.
 struct ImpactView {
-  std::size_t body = 0;
+  std::size_t body = 0;              // number
   Vec3 normal{};                     // unit, away from what is struck
   bool as_angle = false;             // the coordinate is q1 of the planar view, not the height along the normal
   bool as_rate = false;              // rates are those of the body's angle, not of its way along the normal
@@ -96,24 +99,28 @@ struct ImpactView {
 using SettingValue = std::variant<double, std::int64_t, std::string, std::vector<double>>;
 using Definition = std::vector<std::pair<std::string, SettingValue>>;
 
+/// A mechanism in a start, for how long, by whom and how well.
+///
+/// Whoever changes joint coordinates makes the mechanism anew (model/generate.hpp); bodies, joints and contacts may be
+/// changed as they are.
 struct Scenario {
   std::string name;     // stem of the file; names the result folder
   std::string file;     // where it was read, for messages
   std::string summary;  // what is simulated, in a line
-  Mechanism mechanism;
+  Mechanism mechanism;  // what an engine is given
   std::shared_ptr<const PlanarView> planar;  // null: no joint coordinates
   std::vector<ImpactView> impact_views;      // one for each thing that has impacts of its own
-  Definition definition;
-  double duration_s = 0;
-  double step_s = 1e-3;
+  Definition definition;           // what the file said of the mechanism
+  double duration_s = 0;           // simulated time
+  double step_s = 1e-3;            // of methods with a fixed step; else the spacing of rows
   std::optional<double> sample_s;  // absent: a row every step
   double gravity = 9.81;           // m/s², along -z
-  OdeSettings ode;
-  MaximalSettings maximal;
+  OdeSettings ode;                 // of ODE, and of whoever steps as it does
+  MaximalSettings maximal;         // of the methods with Lagrange multipliers
   std::optional<double> rtol;  // absent: each adaptive method's own default
   std::optional<double> atol;
-  std::vector<std::string> methods;
-  std::vector<Tolerance> tolerances;
+  std::vector<std::string> methods;   // what runs without --method
+  std::vector<Tolerance> tolerances;  // what `check` enforces
 
   /// Of whatever touches first; 0 where nothing does.
   double restitution() const { return mechanism.contacts.empty() ? 0 : mechanism.contacts.front().restitution; }
