@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "model/generate.hpp"
+#include "model/joint_kinds.hpp"
 
 namespace odeval {
 namespace {
@@ -50,10 +51,10 @@ void add_ground(Section section, const GroundTable& ground, bool friction) {
 }
 
 void add_joint(Section section, const JointTable& joint) {
-  section.add("kind", joint.hinge ? "hinge" : "ball")
+  section.add("kind", std::string(joint.kind->word))
       .add("anchor", joint.anchor_m)
       .add("displacement", joint.displacement_m);
-  if (joint.hinge) section.add("axis", joint.axis);
+  if (joint.kind->axis) section.add("axis", joint.axis);
 }
 
 }  // namespace

@@ -28,11 +28,13 @@ struct GroundTable {
   FrictionModel friction_model = FrictionModel::pyramid;
 };
 
+struct JointWord;  // model/joint_kinds.hpp
+
 /// [joint]: what holds the first body, to the world where it is alone, to the second where there are two.
 struct JointTable {
-  bool hinge = false;
+  const JointWord* kind = nullptr;
   Vec3 anchor_m{};        // where its halves meet when it is closed
-  Vec3 axis{0, 1, 0};     // of a hinge
+  Vec3 axis{0, 1, 0};     // of a kind that has one
   Vec3 displacement_m{};  // from there to the first body's half at t = 0
 };
 

@@ -2,6 +2,7 @@
 #include <string>
 
 #include "model/generate.hpp"
+#include "model/joint_kinds.hpp"
 
 namespace odeval {
 namespace {
@@ -18,9 +19,7 @@ Body body_of(const BodyTable& table, std::size_t number) {
 }
 
 Joint joint_of(const JointTable& table, bool pair) {
-  const JointKind kind =
-      table.hinge ? JointKind(HingeJoint{table.anchor_m, table.axis}) : JointKind(BallJoint{table.anchor_m});
-  return {.kind = kind,
+  return {.kind = table.kind->make(table),
           .first = 0,
           .second = pair ? std::optional<std::size_t>(1) : std::nullopt,
           .opening_m = table.displacement_m};

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <limits>
 
+#include "model/joint_kinds.hpp"
 #include "model/problems.hpp"
 
 namespace odeval {
@@ -21,7 +23,12 @@ std::vector<std::string> problem_names(const Names&) {
 std::vector<std::string> shape_names(const Names&) { return {"box", "sphere"}; }
 std::vector<std::string> friction_models(const Names&) { return {"pyramid", "constant"}; }
 std::vector<std::string> friction_axes(const Names&) { return {"plane-space", "sliding"}; }
-std::vector<std::string> joint_names(const Names&) { return {"ball", "hinge"}; }
+std::vector<std::string> joint_names(const Names&) {
+  std::vector<std::string> names;
+  for (const JointWord& kind : joint_words) names.emplace_back(kind.word);
+  return names;
+}
+const JointWord* joint_named(const std::string& word) { return std::ranges::find(joint_words, word, &JointWord::word); }
 std::vector<std::string> start_names(const Names&) { return {"as-given", "half-step"}; }
 std::vector<std::string> switch_names(const Names&) { return {"on", "off"}; }
 std::vector<std::string> method_names(const Names& names) { return names.methods; }
@@ -119,7 +126,7 @@ constexpr KeyRow rows[] = {
       [](D& d, S&, const V& v) { d.ground->friction_model = v.word == "constant" ? FrictionModel::constant : FrictionModel::pyramid; }},
 
   {"joint", "kind",         word,    "",  0, 0,      false, joint_names, "", "of the first body to the world, or to the second where there are two",
-      [](D& d, S&, const V& v) { d.joint->hinge = v.word == "hinge"; }},
+      [](D& d, S&, const V& v) { d.joint->kind = joint_named(v.word); }},
   {"joint", "anchor",       numbers, "m", -1e4, 1e4, false, nullptr, "0", "where the joint is when it is closed",
       [](D& d, S&, const V& v) { d.joint->anchor_m = vector(v); }, 3},
   {"joint", "axis",         numbers, "",  -1e3, 1e3, false, nullptr, "[0, 1, 0]", "of a hinge",
