@@ -1,7 +1,7 @@
 #include "catalogue/accurate_method.hpp"
 
-#include "engine_ode/module.hpp"
-#include "engine_rk4/accurate_step.hpp"
+#include "engines/ode/module.hpp"
+#include "engines/ode_rk4/accurate_step.hpp"
 
 namespace odeval::catalogue {
 namespace {

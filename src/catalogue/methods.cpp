@@ -4,7 +4,7 @@
 #include <array>
 
 #include "catalogue/accurate_method.hpp"
-#include "engine_ode/module.hpp"
+#include "engines/ode/module.hpp"
 #include "model/nearest.hpp"
 #include "odeval/error.hpp"
 #include "reference/analytic.hpp"

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <thread>
 
-#include "engine_ode/module.hpp"
+#include "engines/ode/module.hpp"
 #include "reference/boost_version.hpp"
 #include "reference/cvode_solver.hpp"
 #include "sources_digest.hpp"

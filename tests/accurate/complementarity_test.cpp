@@ -1,5 +1,5 @@
 // Complementarity: what it promises, on systems made at random, most of them with contacts that say the same.
-#include "engine_rk4/complementarity.hpp"
+#include "engines/ode_rk4/complementarity.hpp"
 
 #include <Eigen/Dense>
 #include <random>

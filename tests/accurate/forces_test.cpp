@@ -1,7 +1,7 @@
 // Forces that change within a step: asked for at each stage they keep the order, sampled once a step they do not.
 #include <cstdio>
 
-#include "engine_rk4/accurate_step.hpp"
+#include "engines/ode_rk4/accurate_step.hpp"
 #include "tests/accurate/worlds.hpp"
 #include "tests/check.hpp"
 

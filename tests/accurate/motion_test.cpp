@@ -6,7 +6,7 @@
 #include <functional>
 #include <numbers>
 
-#include "engine_rk4/accurate_step.hpp"
+#include "engines/ode_rk4/accurate_step.hpp"
 #include "reference/cvode_solver.hpp"
 #include "reference/dual.hpp"
 #include "tests/accurate/spatial_chain.hpp"

@@ -4,7 +4,7 @@
 #include <functional>
 #include <limits>
 
-#include "engine_rk4/accurate_step.hpp"
+#include "engines/ode_rk4/accurate_step.hpp"
 #include "tests/accurate/worlds.hpp"
 #include "tests/check.hpp"
 

@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "engine_rk4/accurate_step.hpp"
+#include "engines/ode_rk4/accurate_step.hpp"
 
 namespace {
 

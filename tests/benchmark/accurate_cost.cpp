@@ -17,7 +17,7 @@
 #include "catalogue/evaluation.hpp"
 #include "catalogue/paths.hpp"
 #include "cli/settings.hpp"
-#include "engine_rk4/accurate_step.hpp"
+#include "engines/ode_rk4/accurate_step.hpp"
 #include "measure/spread.hpp"
 #include "model/read_scenario.hpp"
 #include "odeval/metrics.hpp"

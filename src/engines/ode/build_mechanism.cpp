@@ -1,0 +1,148 @@
+#include "engines/ode/build_mechanism.hpp"
+
+#include <cmath>
+
+namespace odeval::engine_ode {
+namespace {
+
+void put(dBodyID body, const Vec3& position) {
+  dBodySetPosition(body, real(position[0]), real(position[1]), real(position[2]));
+}
+
+struct SetAttitude {
+  dBodyID body;
+
+  void operator()(const Vec3& vector) const {
+    const double angle = length(vector);
+    if (angle == 0) return;
+    dQuaternion quaternion;
+    const double part = std::sin(angle / 2) / angle;
+    quaternion[0] = real(std::cos(angle / 2));
+    for (std::size_t k = 0; k < 3; ++k) quaternion[k + 1] = real(part * vector[k]);
+    dBodySetQuaternion(body, quaternion);
+  }
+
+  void operator()(const AxisAngle& turn) const {
+    dMatrix3 rotation;
+    dRFromAxisAndAngle(rotation, real(turn.axis[0]), real(turn.axis[1]), real(turn.axis[2]), real(turn.angle_rad));
+    dBodySetRotation(body, rotation);
+  }
+};
+
+struct MakeGeom {
+  dSpaceID space;
+
+  dGeomID operator()(const Box& box) const {
+    const auto& [x, y, z] = box.sides_m;
+    return dCreateBox(space, real(x), real(y), real(z));
+  }
+  dGeomID operator()(const Sphere& ball) const { return dCreateSphere(space, real(ball.diameter_m / 2)); }
+};
+
+struct SetUniform {
+  dMass& mass;
+  dReal total;
+
+  void operator()(const Box& box) const {
+    const auto& [x, y, z] = box.sides_m;
+    dMassSetBoxTotal(&mass, total, real(x), real(y), real(z));
+  }
+  void operator()(const Sphere& ball) const { dMassSetSphereTotal(&mass, total, real(ball.diameter_m / 2)); }
+};
+
+dMass mass_of(const Body& body) {
+  dMass mass;
+  if (body.inertia_kgm2) {
+    const std::array<double, 9>& i = *body.inertia_kgm2;
+    dMassSetParameters(&mass, real(body.mass_kg), 0, 0, 0, real(i[0]), real(i[4]), real(i[8]), real(i[1]), real(i[2]),
+                       real(i[5]));
+  } else {
+    std::visit(SetUniform{mass, real(body.mass_kg)}, body.shape);
+  }
+  return mass;
+}
+
+/// One maker a kind of joint: attached already, between bodies in the place that they have in the closed joint.
+struct MakeJoint {
+  dWorldID world;
+  dBodyID first;
+  dBodyID second;  // null: the world
+
+  dJointID operator()(const BallJoint& ball) const {
+    const auto& [x, y, z] = ball.anchor_m;
+    const dJointID joint = dJointCreateBall(world, nullptr);
+    dJointAttach(joint, first, second);
+    dJointSetBallAnchor(joint, real(x), real(y), real(z));
+    return joint;
+  }
+
+  dJointID operator()(const HingeJoint& hinge) const {
+    const auto& [x, y, z] = hinge.anchor_m;
+    const dJointID joint = dJointCreateHinge(world, nullptr);
+    dJointAttach(joint, first, second);
+    dJointSetHingeAnchor(joint, real(x), real(y), real(z));
+    dJointSetHingeAxis(joint, real(hinge.axis[0]), real(hinge.axis[1]), real(hinge.axis[2]));
+    return joint;
+  }
+};
+
+void drive(dJointID hinge, const Joint& what) {
+  if (what.motor) {
+    dJointSetHingeParam(hinge, dParamVel, real(what.motor->speed_rad_s));
+    dJointSetHingeParam(hinge, dParamFMax, real(what.motor->most_torque_Nm));
+  }
+  if (what.stop) {
+    dJointSetHingeParam(hinge, dParamLoStop, real(what.stop->low_rad));
+    dJointSetHingeParam(hinge, dParamHiStop, real(what.stop->high_rad));
+    dJointSetHingeParam(hinge, dParamBounce, real(what.stop->restitution));
+  }
+}
+
+struct MakeObstacle {
+  dSpaceID space;
+
+  dGeomID operator()(const HalfSpace& plane) const {
+    const auto& [x, y, z] = plane.normal;
+    return dCreatePlane(space, real(x), real(y), real(z), real(plane.offset_m));
+  }
+  dGeomID operator()(const FixedBox& box) const {
+    const dGeomID geom = dCreateBox(space, real(box.sides_m[0]), real(box.sides_m[1]), real(box.sides_m[2]));
+    dGeomSetPosition(geom, real(box.centre_m[0]), real(box.centre_m[1]), real(box.centre_m[2]));
+    return geom;
+  }
+};
+
+}  // namespace
+
+dBodyID make_body(dWorldID world, dSpaceID space, const Body& what, bool gyroscopic) {
+  const dMass mass = mass_of(what);
+  const dGeomID geom = std::visit(MakeGeom{space}, what.shape);
+  const dBodyID body = dBodyCreate(world);
+  dBodySetGyroscopicMode(body, gyroscopic ? 1 : 0);
+  dBodySetFiniteRotationMode(body, 0);
+  dBodySetMass(body, &mass);
+  dGeomSetBody(geom, body);
+  std::visit(SetAttitude{body}, what.attitude);
+  put(body, what.position_m);
+  dBodySetLinearVel(body, real(what.velocity_m_s[0]), real(what.velocity_m_s[1]), real(what.velocity_m_s[2]));
+  dBodySetAngularVel(body, real(what.spin_rad_s[0]), real(what.spin_rad_s[1]), real(what.spin_rad_s[2]));
+  return body;
+}
+
+// A joint remembers where the bodies were when it was given its anchor: the first body stands in its place for that.
+dJointID make_joint(dWorldID world, const Joint& what, const std::vector<dBodyID>& bodies,
+                    const std::vector<Body>& starts) {
+  const dBodyID first = bodies[what.first];
+  const Vec3& start = starts[what.first].position_m;
+  put(first, start - what.opening_m);
+  const dJointID joint = std::visit(MakeJoint{world, first, what.second ? bodies[*what.second] : nullptr}, what.kind);
+  drive(joint, what);
+  put(first, start);
+  return joint;
+}
+
+dGeomID make_obstacle(dSpaceID space, const Obstacle& obstacle) {
+  return std::visit(MakeObstacle{space}, obstacle.shape);
+}
+
+}  // namespace odeval::engine_ode

@@ -1,0 +1,98 @@
+#include "engines/ode_rk4/bodies.hpp"
+
+#include <algorithm>
+
+#include "engines/ode_rk4/refuse.hpp"
+
+namespace odeval::engine_rk4 {
+namespace {
+
+bool finite_body(const BodyNow& body) {
+  return body.pose.position.allFinite() && body.pose.turn.allFinite() && body.twist.linear.allFinite() &&
+         body.twist.angular.allFinite();
+}
+
+}  // namespace
+
+void read_state(const Mechanism& mechanism, State& state) {
+  state.resize(mechanism.bodies.size());
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    const dBodyID id = mechanism.bodies[i].id;
+    const dReal* q = dBodyGetQuaternion(id);
+    state[i] = {{vector(dBodyGetPosition(id)), {q[0], q[1], q[2], q[3]}},
+                {vector(dBodyGetLinearVel(id)), vector(dBodyGetAngularVel(id))}};
+    if (!finite_body(state[i])) refuse("a position or velocity of body " + std::to_string(i) + " is not finite", id);
+  }
+}
+
+void read_forces(dWorldID world, const Mechanism& mechanism, std::vector<Wrench>& forces) {
+  dVector3 gravity;
+  dWorldGetGravity(world, gravity);
+  forces.resize(mechanism.bodies.size());
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const dBodyID id = mechanism.bodies[i].id;
+    forces[i] = {vector(dBodyGetForce(id)), vector(dBodyGetTorque(id))};
+    if (dBodyGetGravityMode(id) != 0) forces[i].force += vector(gravity) / mechanism.bodies[i].inverse_mass;
+    if (!forces[i].force.allFinite() || !forces[i].torque.allFinite()) {
+      refuse("the force on body " + std::to_string(i) + " is not finite", id);
+    }
+  }
+}
+
+void show_poses(const Mechanism& mechanism, const State& state) {
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    const dBodyID id = mechanism.bodies[i].id;
+    const Pose& pose = state[i].pose;
+    const dQuaternion q = {pose.turn[0], pose.turn[1], pose.turn[2], pose.turn[3]};
+    dBodySetPosition(id, pose.position[0], pose.position[1], pose.position[2]);
+    dBodySetQuaternion(id, q);
+  }
+}
+
+void show_twists(const Mechanism& mechanism, const State& state) {
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    const dBodyID id = mechanism.bodies[i].id;
+    const Twist& twist = state[i].twist;
+    dBodySetLinearVel(id, twist.linear[0], twist.linear[1], twist.linear[2]);
+    dBodySetAngularVel(id, twist.angular[0], twist.angular[1], twist.angular[2]);
+  }
+}
+
+bool finite(const State& state) { return std::ranges::all_of(state, finite_body); }
+
+void Saved::save(const Mechanism& mechanism) {
+  bodies_.resize(mechanism.bodies.size());
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const dBodyID id = mechanism.bodies[i].id;
+    Exact& body = bodies_[i];
+    body.id = id;
+    std::copy_n(dBodyGetPosition(id), 3, body.position);
+    std::copy_n(dBodyGetQuaternion(id), 4, body.quaternion);
+    std::copy_n(dBodyGetRotation(id), 12, body.rotation);
+    std::copy_n(dBodyGetLinearVel(id), 3, body.velocity);
+    std::copy_n(dBodyGetAngularVel(id), 3, body.spin);
+    std::copy_n(dBodyGetForce(id), 3, body.force);
+    std::copy_n(dBodyGetTorque(id), 3, body.torque);
+  }
+}
+
+void Saved::restore() const {
+  for (const Exact& body : bodies_) {
+    dBodySetPosition(body.id, body.position[0], body.position[1], body.position[2]);
+    dBodySetLinearVel(body.id, body.velocity[0], body.velocity[1], body.velocity[2]);
+    dBodySetAngularVel(body.id, body.spin[0], body.spin[1], body.spin[2]);
+    // Setting a quaternion normalises it and computes the matrix anew, which may change a last digit of either.
+    std::copy_n(body.quaternion, 4, const_cast<dReal*>(dBodyGetQuaternion(body.id)));
+    std::copy_n(body.rotation, 12, const_cast<dReal*>(dBodyGetRotation(body.id)));
+  }
+  restore_forces();
+}
+
+void Saved::restore_forces() const {
+  for (const Exact& body : bodies_) {
+    dBodySetForce(body.id, body.force[0], body.force[1], body.force[2]);
+    dBodySetTorque(body.id, body.torque[0], body.torque[1], body.torque[2]);
+  }
+}
+
+}  // namespace odeval::engine_rk4

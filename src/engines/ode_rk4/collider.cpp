@@ -1,0 +1,102 @@
+#include "engines/ode_rk4/collider.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engines/ode_rk4/bodies.hpp"
+#include "engines/ode_rk4/refuse.hpp"
+
+namespace odeval::engine_rk4 {
+namespace {
+
+/// How far from the origin geoms may be, m: hash spaces count cells of at least 2^level m in an int, and abort where
+/// that overflows (dxHashSpace::collide).
+double reach(dSpaceID space) {
+  double smallest = INFINITY;
+  if (dSpaceGetClass(space) == dHashSpaceClass) {
+    int least = 0, most = 0;
+    dHashSpaceGetLevels(space, &least, &most);
+    smallest = std::ldexp(1, 31 + least);
+  }
+  for (int i = 0; i < dSpaceGetNumGeoms(space); ++i) {
+    const dGeomID geom = dSpaceGetGeom(space, i);
+    if (dGeomIsSpace(geom) != 0) smallest = std::min(smallest, reach(reinterpret_cast<dSpaceID>(geom)));
+  }
+  return smallest;
+}
+
+}  // namespace
+
+Collider::Collider(dSpaceID space, Ask ask) : space_(space), ask_(std::move(ask)) {}
+
+void Collider::look(const Mechanism& mechanism, const State& state, std::vector<Contact>& contacts) {
+  contacts.clear();
+  show_poses(mechanism, state);
+  check_reach(mechanism);
+  pairs_.clear();
+  pair_up(space_);
+  for (const auto& [one, other] : pairs_) meet(mechanism, one, other, contacts);
+}
+
+/// ODE leaves it to the caller to look inside the spaces of a space.
+void Collider::pair_up(dSpaceID space) {
+  dSpaceCollide(space, &pairs_, &near);
+  for (int i = 0; i < dSpaceGetNumGeoms(space); ++i) {
+    const dGeomID geom = dSpaceGetGeom(space, i);
+    if (dGeomIsSpace(geom) != 0) pair_up(reinterpret_cast<dSpaceID>(geom));
+  }
+}
+
+void Collider::near(void* pairs, dGeomID one, dGeomID other) {
+  if (dGeomIsSpace(one) != 0 || dGeomIsSpace(other) != 0) {
+    dSpaceCollide2(one, other, pairs, &near);
+    return;
+  }
+  const dBodyID a = dGeomGetBody(one);
+  const dBodyID b = dGeomGetBody(other);
+  if (a == b || (a != nullptr && b != nullptr && dAreConnected(a, b) != 0)) return;
+  static_cast<std::vector<std::pair<dGeomID, dGeomID>>*>(pairs)->emplace_back(one, other);
+}
+
+void Collider::check_reach(const Mechanism& mechanism) const {
+  const double limit = reach(space_);
+  for (std::size_t i = 0; i < mechanism.bodies.size(); ++i) {
+    const dBodyID body = mechanism.bodies[i].id;
+    for (dGeomID geom = dBodyGetFirstGeom(body); geom != nullptr; geom = dBodyGetNextGeom(geom)) {
+      dReal box[6];
+      dGeomGetAABB(geom, box);
+      if (std::ranges::all_of(box, [limit](dReal at) { return std::fabs(at) < limit; })) continue;
+      refuse("body " + std::to_string(i) + " comes farther from the origin than ODE's collision detection reaches (" +
+                 shown(limit) + " m); take a smaller step",
+             body);
+    }
+  }
+}
+
+void Collider::meet(const Mechanism& mechanism, dGeomID one, dGeomID other, std::vector<Contact>& contacts) const {
+  const auto bounce = ask_(one, other);
+  if (!bounce) return;
+  if (!(bounce->restitution >= 0 && bounce->restitution <= 1)) {
+    refuse("a restitution must be 0 to 1, not " + shown(bounce->restitution));
+  }
+  constexpr int most = 64;
+  dContactGeom found[most];
+  const int count = dCollide(one, other, most, found, sizeof(dContactGeom));
+  const auto number = [&](dGeomID geom) {
+    const auto at = mechanism.numbers.find(dGeomGetBody(geom));
+    return at == mechanism.numbers.end() ? world_body : at->second;
+  };
+  for (int i = 0; i < count; ++i) {
+    const dContactGeom& geom = found[i];
+    // The normal takes the first geom of the contact out of the second.
+    contacts.push_back({number(geom.g1),
+                        number(geom.g2),
+                        {geom.pos[0], geom.pos[1], geom.pos[2]},
+                        {geom.normal[0], geom.normal[1], geom.normal[2]},
+                        geom.depth,
+                        bounce->restitution,
+                        std::minmax(one, other)});
+  }
+}
+
+}  // namespace odeval::engine_rk4

@@ -1,0 +1,236 @@
+#include "engines/ode_rk4/flight.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engines/ode_rk4/bodies.hpp"
+#include "engines/ode_rk4/refuse.hpp"
+
+namespace odeval::engine_rk4 {
+namespace {
+
+// An impact is located to this overlap, m: a thousand roundings of positions of a metre, and passed in 1e-12 s at 1
+// m/s.
+constexpr double touch_depth = 1e-12;
+// What rests lies this deep, m: a thousand times deeper than contacts are rounded, so that it is found in every step.
+constexpr double rest_depth = 1e-9;
+constexpr double mendable = 1e-9;  // m, rad: smaller joint errors are left to the projection at the end of the step
+constexpr int most_bisections = 100;
+constexpr int most_pushes = 10;
+
+bool same_geoms(const Contact& one, const Contact& other) { return one.geoms == other.geoms; }
+
+double deepest_of(const std::vector<Contact>& contacts) {
+  double deepest = 0;
+  for (const Contact& contact : contacts) deepest = std::max(deepest, contact.depth);
+  return deepest;
+}
+
+}  // namespace
+
+void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
+  const std::vector<Contact> rested = resting_;
+  touches_.clear();
+  stopped_.clear();
+  all_stopped_ = false;
+  forces_ = &forces;
+  here_ = state;
+  try {
+    if (fresh) settle(here_, options_.start_gap);
+    double t = 0;
+    for (int impacts = 1;; ++impacts) {
+      move(t, h - t, there_);
+      if (!collider_.works()) break;
+      look(there_);
+      if (deepest(there_) == nullptr) {
+        hold(there_);
+        break;
+      }
+      // What rests has been let go for the step, and what it carries with it: is there still a touch once it is held?
+      if (!resting_.empty()) {
+        const State let_go = there_;
+        const std::vector<Contact> resting = resting_;
+        const bool touched = hold(there_);
+        if (!touched) break;
+        there_ = let_go;
+        resting_ = resting;
+        look(there_);
+      }
+      const double passed = locate(t, h - t);
+      t += passed;
+      impact(t, passed <= 0, impacts >= options_.most_impacts);
+      if (t < h) continue;
+      there_ = here_;
+      hold(there_);
+      break;
+    }
+    if (!finite(there_)) refuse("the motion left the finite numbers; take a smaller step");
+  } catch (...) {
+    resting_ = rested;
+    touches_.clear();
+    throw;
+  }
+  std::swap(state, there_);
+}
+
+/// From `here_`, which is `after` seconds into the step.
+void Flight::move(double after, double h, State& to) {
+  forces_->start = after;
+  JointErrors errors = motion_.step(here_, *forces_, h, to);
+  if (errors.before.size > mendable) {
+    settle(here_, options_.start_gap);
+    errors = motion_.step(here_, *forces_, h, to);
+  }
+  if (!finite(to)) refuse("the motion left the finite numbers; take a smaller step");
+  // Equations that repeat others are left out: a closed loop that does not quite close keeps its gap.
+  if (!(errors.after.size <= (motion_.redundant() ? options_.start_gap : mendable))) {
+    refuse_apart(errors.after, "at the end of a step of " + shown(h) + " s; take a smaller one");
+  }
+}
+
+void Flight::settle(State& state, double most) const {
+  const JointErrors errors = motion_.project(state);
+  for (const JointError& error : {errors.before, errors.after}) {
+    if (error.size <= most) continue;
+    refuse_apart(error, "at the start of the step; at most " + shown(most) + " are mended");
+  }
+}
+
+void Flight::refuse_apart(const JointError& error, const std::string& when) const {
+  const Joint& joint = motion_.mechanism().joints[error.joint];
+  refuse(name(joint) + " is " + shown(error.size) + " m or rad apart " + when, motion_.mechanism().bodies[joint.a].id,
+         joint.id);
+}
+
+/// A contact of geoms that rested when this part of the step began, and did not approach at this point then, along the
+/// normal of that time: what approaches at its end is what the forces did.
+bool Flight::rests(const Contact& contact, const State& at) const {
+  const auto between_the_same = [&](const Contact& other) { return same_geoms(contact, other); };
+  if (all_stopped_ || std::ranges::any_of(stopped_, between_the_same)) return true;
+  const Contact* nearest = nullptr;
+  for (const Contact& other : resting_) {
+    if (!same_geoms(contact, other)) continue;
+    if (nearest == nullptr || (other.point - contact.point).norm() < (nearest->point - contact.point).norm()) {
+      nearest = &other;
+    }
+  }
+  if (nearest == nullptr) return false;
+  Contact then = contact;
+  then.normal = nearest->a == contact.a ? nearest->normal : Vector3d(-nearest->normal);
+  return normal_speed(then, at, here_) >= -options_.rest_speed;
+}
+
+/// The deepest contact that is not at rest, if any.
+const Contact* Flight::deepest(const State& at) const {
+  const Contact* found = nullptr;
+  for (const Contact& contact : contacts_) {
+    if (contact.depth <= 0 || (found != nullptr && contact.depth <= found->depth) || rests(contact, at)) continue;
+    found = &contact;
+  }
+  return found;
+}
+
+/// The first touch on the way from `here_` to `there_`, `longest` seconds; `there_` becomes the state at it. Newton's
+/// method on ODE's depth, which exists on one side only, within a bracket. Returns the time that passes until then.
+double Flight::locate(double after, double longest) {
+  double free = 0;
+  double touching = longest;
+  Contact touch = *deepest(there_);
+  bool fell_short = false;  // Newton's method, which then needs a better start
+  for (int round = 0; round < most_bisections && touch.depth > touch_depth; ++round) {
+    const double closing = -normal_speed(touch, there_);
+    const double newton = closing > 0 && !fell_short ? touching - (touch.depth - touch_depth / 2) / closing : free;
+    if (newton <= 0 && round == 0) {  // it may have begun in contact
+      look(here_);
+      const Contact* const at_once = deepest(here_);
+      if (at_once != nullptr && at_once->depth > touch_depth) {
+        there_ = here_;
+        motion_.project(there_);
+        return 0;
+      }
+    }
+    const double guess = newton > free && newton < touching ? newton : (free + touching) / 2;
+    if (!(guess > free && guess < touching)) break;
+    move(after, guess, trial_);
+    look(trial_);
+    const Contact* const found = deepest(trial_);
+    fell_short = found == nullptr;
+    if (fell_short) {
+      free = guess;
+      continue;
+    }
+    touching = guess;
+    touch = *found;
+    std::swap(there_, trial_);
+  }
+  look(there_);
+  motion_.project(there_);  // the matrix of this pose, for the impulses
+  return touching;
+}
+
+/// At `there_`, which becomes `here_`: the next part of the step starts from it.
+void Flight::impact(double t, bool at_once, bool last) {
+  const auto resting =
+      std::ranges::stable_partition(contacts_, [this](const Contact& contact) { return !rests(contact, there_); });
+  const std::span<Contact> striking(contacts_.begin(), resting.begin());
+  std::swap(here_, there_);
+  const auto speed = [this](const Contact& contact) { return normal_speed(contact, here_); };
+  const Contact& fastest = *std::ranges::min_element(striking, {}, speed);
+  const std::size_t touch = touches_.size();
+  touches_.push_back({t, -speed(fastest), 0, striking.size()});
+  tell(options_.before_impact, touches_[touch]);
+  for (Contact& contact : resting) contact.restitution = 0;
+  for (Contact& contact : striking) {
+    if (last || speed(contact) > -options_.rest_speed) contact.restitution = 0;
+  }
+  Impact(motion_, contacts_, here_).strike(here_);
+  touches_[touch].departure = speed(fastest);
+  tell(options_.after_impact, touches_[touch]);
+
+  // What leaves slowly stays, and so does what comes again without time passing.
+  for (const Contact& contact : striking) {
+    if (speed(contact) <= options_.rest_speed) resting_.push_back(contact);
+    if (at_once) stopped_.push_back(contact);
+  }
+  all_stopped_ = last;
+}
+
+void Flight::tell(const std::function<void(const Touch&)>& observer, const Touch& touch) const {
+  if (!observer) return;
+  show_poses(motion_.mechanism(), here_);
+  show_twists(motion_.mechanism(), here_);
+  observer(touch);
+}
+
+/// At the end of a step, with its contacts at hand: what rests stops and is pushed out of what it rests on. Returns
+/// true if something touches that does not rest.
+bool Flight::hold(State& state) {
+  bool touched = false;
+  const auto at_rest = [&] {
+    touched = deepest(state) != nullptr;
+    std::erase_if(contacts_, [&](const Contact& contact) { return !rests(contact, state); });
+    for (Contact& contact : contacts_) contact.restitution = 0;
+  };
+  at_rest();
+  if (!contacts_.empty()) motion_.project(state);  // the matrix of this pose, for the impulses
+  std::vector<Contact> rest = contacts_;
+  for (int push = 0; push < most_pushes && !contacts_.empty(); ++push) {
+    if (push > 0 && deepest_of(contacts_) <= 2 * rest_depth) break;
+    const Impact impact(motion_, contacts_, state);
+    impact.strike(state);
+    if (!(impact.push_out(rest_depth, state).size <= mendable)) {
+      refuse("what rests can not be pushed apart with its joints kept; take a smaller step");
+    }
+    look(state);
+    at_rest();
+  }
+  const double overlap = deepest_of(contacts_);
+  if (overlap > options_.start_gap) {
+    refuse("an overlap of " + shown(overlap) + " m can not be pushed out; at most " + shown(options_.start_gap) +
+           " are left to later steps");
+  }
+  resting_ = std::move(rest);
+  return touched;
+}
+
+}  // namespace odeval::engine_rk4

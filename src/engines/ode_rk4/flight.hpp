@@ -1,0 +1,51 @@
+#pragma once
+// From one end of a step to the other: free motion, impacts where they fall, and rest at its end.
+#include <string>
+#include <vector>
+
+#include "engines/ode_rk4/accurate_step.hpp"
+#include "engines/ode_rk4/collider.hpp"
+#include "engines/ode_rk4/motion.hpp"
+
+namespace odeval::engine_rk4 {
+
+class Flight {
+ public:
+  Flight(Motion& motion, Collider& collider, const AccurateStepOptions& options)
+      : motion_(motion), collider_(collider), options_(options) {}
+
+  /// Advances a state by h; `fresh`: one that may not keep its joints yet. Throws AccurateStepError where no sound
+  /// state can be reached; the state, and what is remembered, are then as before.
+  void advance(State& state, Forces& forces, double h, bool fresh);
+
+  /// Impacts of the last step, in order.
+  const std::vector<Touch>& touches() const { return touches_; }
+  /// Forgets what rests.
+  void start_anew() { resting_.clear(); }
+
+ private:
+  void move(double after, double h, State& to);
+  void settle(State& state, double most) const;
+  [[noreturn]] void refuse_apart(const JointError& error, const std::string& when) const;
+  void look(const State& state) { collider_.look(motion_.mechanism(), state, contacts_); }
+  bool rests(const Contact& contact, const State& at) const;
+  const Contact* deepest(const State& at) const;
+  double locate(double after, double longest);
+  void impact(double t, bool at_once, bool last);
+  void tell(const std::function<void(const Touch&)>& observer, const Touch& touch) const;
+  bool hold(State& state);
+
+  Motion& motion_;
+  Collider& collider_;
+  const AccurateStepOptions& options_;
+  Forces* forces_ = nullptr;
+  State here_;                     // the start of what is left of the step
+  State there_, trial_;            // and where it leads
+  std::vector<Contact> contacts_;  // of the state last looked at
+  std::vector<Contact> resting_;   // at the end of the last step, and what came to rest since
+  std::vector<Contact> stopped_;   // their geoms do not bounce any more in this step
+  bool all_stopped_ = false;
+  std::vector<Touch> touches_;
+};
+
+}  // namespace odeval::engine_rk4

@@ -1,0 +1,84 @@
+#include "engines/ode_rk4/impact.hpp"
+
+#include "engines/ode_rk4/complementarity.hpp"
+
+namespace odeval::engine_rk4 {
+namespace {
+
+std::size_t index(Eigen::Index i) { return static_cast<std::size_t>(i); }
+
+double along(const Vector3d& normal, const Vector3d& arm, const Twist& twist) {
+  return normal.dot(twist.linear + twist.angular.cross(arm));
+}
+
+}  // namespace
+
+double normal_speed(const Contact& contact, const State& state) { return normal_speed(contact, state, state); }
+
+double normal_speed(const Contact& contact, const State& found_at, const State& velocities) {
+  const auto of = [&](std::size_t body) {
+    if (body == world_body) return 0.0;
+    return along(contact.normal, contact.point - found_at[body].pose.position, velocities[body].twist);
+  };
+  return of(contact.a) - of(contact.b);
+}
+
+Impact::Impact(Motion& motion, std::span<const Contact> contacts, const State& state)
+    : motion_(motion), contacts_(contacts), impulses_(state.size()), change_(state.size()) {
+  const auto count = static_cast<Eigen::Index>(contacts.size());
+  for (const Contact& contact : contacts) {
+    for (const std::size_t body : {contact.a, contact.b}) {
+      arms_.push_back(body == world_body ? Vector3d::Zero() : Vector3d(contact.point - state[body].pose.position));
+    }
+  }
+  speeds_.resize(count, count);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    respond(Eigen::VectorXd::Unit(count, j));
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const Contact& contact = contacts[index(i)];
+      double speed = 0;
+      if (contact.a != world_body) speed += along(contact.normal, arms_[2 * index(i)], change_[contact.a]);
+      if (contact.b != world_body) speed -= along(contact.normal, arms_[2 * index(i) + 1], change_[contact.b]);
+      speeds_(i, j) = speed;
+    }
+  }
+}
+
+void Impact::respond(const Eigen::VectorXd& sizes) const {
+  for (Wrench& impulse : impulses_) impulse = {Vector3d::Zero(), Vector3d::Zero()};
+  const auto push = [this](std::size_t body, const Vector3d& arm, const Vector3d& impulse) {
+    if (body == world_body) return;
+    impulses_[body].force += impulse;
+    impulses_[body].torque += arm.cross(impulse);
+  };
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const double size = sizes[static_cast<Eigen::Index>(i)];
+    if (size == 0) continue;
+    push(contacts_[i].a, arms_[2 * i], size * contacts_[i].normal);
+    push(contacts_[i].b, arms_[2 * i + 1], -size * contacts_[i].normal);
+  }
+  motion_.respond(impulses_, change_);
+}
+
+void Impact::strike(State& state) const {
+  Eigen::VectorXd b(static_cast<Eigen::Index>(contacts_.size()));
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const double before = normal_speed(contacts_[i], state);
+    b[static_cast<Eigen::Index>(i)] = before < 0 ? (1 + contacts_[i].restitution) * before : before;
+  }
+  respond(complementary(speeds_, b));
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    state[i].twist.linear += change_[i].linear;
+    state[i].twist.angular += change_[i].angular;
+  }
+}
+
+JointError Impact::push_out(double depth, State& state) const {
+  Eigen::VectorXd b(static_cast<Eigen::Index>(contacts_.size()));
+  for (std::size_t i = 0; i < contacts_.size(); ++i) b[static_cast<Eigen::Index>(i)] = depth - contacts_[i].depth;
+  if ((b.array() >= 0).all()) return {};
+  respond(complementary(speeds_, b));
+  return motion_.displace(change_, state);
+}
+
+}  // namespace odeval::engine_rk4

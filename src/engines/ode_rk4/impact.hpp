@@ -1,0 +1,51 @@
+#pragma once
+// What contacts do to velocities and poses: complementarity, solved for the whole mechanism.
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "engines/ode_rk4/motion.hpp"
+
+namespace odeval::engine_rk4 {
+
+/// A point where body a meets body b. World frame.
+struct Contact {
+  std::size_t a, b;  // one of them may be world_body
+  Vector3d point;    // m
+  Vector3d normal;   // unit; moving a along it takes the bodies apart
+  double depth;      // m
+  double restitution;
+  std::pair<dGeomID, dGeomID> geoms;  // in the order of their addresses
+};
+
+/// Normal speed of a against b at a contact found at `state`, m/s; negative: they approach.
+double normal_speed(const Contact& contact, const State& state);
+/// The same, for velocities of another time.
+double normal_speed(const Contact& contact, const State& found_at, const State& velocities);
+
+/// What impulses at the contacts of one pose do: that of the motion's last projection.
+class Impact {
+ public:
+  Impact(Motion& motion, std::span<const Contact> contacts, const State& state);
+
+  /// Newton's law with complementarity: after it every contact has v+ >= -e v- (>= 0 if it did not approach), impulses
+  /// only push, and where one pushes its contact has exactly that speed. All bodies feel the impulses through the
+  /// joints.
+  void strike(State& state) const;
+
+  /// Moves the bodies apart, mass-weighted and with joints kept, until no contact is deeper than `depth`, to the first
+  /// order in the way. Ends what the Impact can be used for. Returns the joint error that is left.
+  JointError push_out(double depth, State& state) const;
+
+ private:
+  void respond(const Eigen::VectorXd& sizes) const;  // into change_
+
+  Motion& motion_;
+  std::span<const Contact> contacts_;
+  Eigen::MatrixXd speeds_;      // of the contacts, for a unit impulse at each
+  std::vector<Vector3d> arms_;  // of each contact on its two bodies
+  mutable std::vector<Wrench> impulses_;
+  mutable std::vector<Twist> change_;
+};
+
+}  // namespace odeval::engine_rk4

@@ -1,0 +1,316 @@
+#include "engines/ode_rk4/mechanism.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "engines/ode_rk4/refuse.hpp"
+
+namespace odeval::engine_rk4 {
+namespace {
+
+std::string name(std::size_t body) { return body == world_body ? "the world" : "body " + std::to_string(body); }
+
+std::string kind(dJointID joint) {
+  switch (dJointGetType(joint)) {
+    case dJointTypeBall:
+      return "ball joint";
+    case dJointTypeHinge:
+      return "hinge";
+    case dJointTypeSlider:
+      return "slider";
+    case dJointTypeUniversal:
+      return "universal joint";
+    case dJointTypeFixed:
+      return "fixed joint";
+    case dJointTypeContact:
+      return "contact joint";
+    default:
+      return "joint of another kind";
+  }
+}
+
+std::vector<dBodyID> discover(dWorldID world, dSpaceID space, std::span<dxBody* const> given,
+                              const std::map<dBodyID, std::size_t>& earlier) {
+  std::vector<dBodyID> found;
+  std::set<dBodyID> known;
+  const auto meet = [&](dBodyID body) {
+    if (body != nullptr && dBodyGetWorld(body) == world && known.insert(body).second) found.push_back(body);
+  };
+  const auto meet_geoms = [&](const auto& self, dSpaceID in) -> void {
+    for (int i = dSpaceGetNumGeoms(in); i-- > 0;) {  // the newest is the first
+      const dGeomID geom = dSpaceGetGeom(in, i);
+      if (dGeomIsSpace(geom) != 0) {
+        self(self, reinterpret_cast<dSpaceID>(geom));
+      } else {
+        meet(dGeomGetBody(geom));
+      }
+    }
+  };
+  for (const dBodyID body : given) meet(body);
+  if (space != nullptr) meet_geoms(meet_geoms, space);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    for (int j = 0; j < dBodyGetNumJoints(found[i]); ++j) {
+      const dJointID joint = dBodyGetJoint(found[i], j);
+      meet(dJointGetBody(joint, 0));
+      meet(dJointGetBody(joint, 1));
+    }
+  }
+  std::ranges::stable_sort(found, {}, [&](dBodyID body) {
+    const auto known_as = earlier.find(body);
+    return known_as == earlier.end() ? earlier.size() : known_as->second;
+  });
+  return found;
+}
+
+Body read_body(dBodyID id, std::size_t number) {
+  const auto refuse_if = [&](bool bad, const char* why) {
+    if (bad) refuse(name(number) + why, id);
+  };
+  refuse_if(dBodyIsKinematic(id) != 0, " is kinematic; only bodies with mass are moved");
+  refuse_if(dBodyIsEnabled(id) == 0, " is disabled; enable it with dBodyEnable");
+  refuse_if(dBodyGetLinearDamping(id) != 0 || dBodyGetAngularDamping(id) != 0, " is damped; set its damping to 0");
+  refuse_if(dBodyGetMaxAngularSpeed(id) < dInfinity, " has a limited angular speed; set it to dInfinity");
+  refuse_if(dBodyGetGyroscopicMode(id) == 0, " has its gyroscopic term off; set its gyroscopic mode to 1");
+  dMass mass;
+  dBodyGetMass(id, &mass);
+  Body body{id, 1 / mass.mass, {}, {}};
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    for (Eigen::Index j = 0; j < 3; ++j) body.inertia(i, j) = mass.I[4 * i + j];
+  }
+  const Eigen::LLT<Matrix3d> cholesky(body.inertia);
+  refuse_if(
+      !(mass.mass > 0) || !std::isfinite(mass.mass) || !body.inertia.allFinite() || cholesky.info() != Eigen::Success,
+      " has no positive mass and inertia");
+  body.inverse_inertia = cholesky.solve(Matrix3d::Identity());
+  return body;
+}
+
+struct Frame {
+  Vector3d position = Vector3d::Zero();
+  Matrix3d turn = Matrix3d::Identity();
+
+  Vector3d point(const Vector3d& in_world) const { return turn.transpose() * (in_world - position); }
+  Vector3d direction(const Vector3d& in_world) const { return turn.transpose() * in_world; }
+};
+
+Frame frame_of(dBodyID body) {
+  if (body == nullptr) return {};
+  Frame frame;
+  frame.position = vector(dBodyGetPosition(body));
+  const dReal* q = dBodyGetQuaternion(body);
+  frame.turn = rotation({q[0], q[1], q[2], q[3]});
+  return frame;
+}
+
+/// Builds a joint's constraints from anchors and axes in the world at its present pose.
+class JointReader {
+ public:
+  JointReader(dJointID id, const std::map<dBodyID, std::size_t>& numbers) : id_(id) {
+    // Without a second body ODE may hold the only one as the first or, reversed, as the second.
+    dBodyID a = dJointGetBody(id, 0);
+    dBodyID b = dJointGetBody(id, 1);
+    reversed_ = a == nullptr;
+    if (reversed_) std::swap(a, b);
+    joint_ = {id, numbers.at(a), b == nullptr ? world_body : numbers.at(b), {}, {}, {}};
+    a_ = frame_of(a);
+    b_ = frame_of(b);
+  }
+
+  Joint read() {
+    switch (dJointGetType(id_)) {
+      case dJointTypeBall:
+        anchors(dJointGetBallAnchor, dJointGetBallAnchor2);
+        break;
+      case dJointTypeHinge:
+        free_of_motor(dJointGetHingeParam);
+        anchors(dJointGetHingeAnchor, dJointGetHingeAnchor2);
+        along(axis(dJointGetHingeAxis));
+        break;
+      case dJointTypeUniversal:
+        free_of_motor(dJointGetUniversalParam);
+        anchors(dJointGetUniversalAnchor, dJointGetUniversalAnchor2);
+        square(axis(reversed_ ? dJointGetUniversalAxis2 : dJointGetUniversalAxis1),
+               axis(reversed_ ? dJointGetUniversalAxis1 : dJointGetUniversalAxis2));
+        break;
+      case dJointTypeSlider:
+        free_of_motor(dJointGetSliderParam);
+        slide(axis(dJointGetSliderAxis));
+        same_turn();
+        break;
+      case dJointTypeFixed:
+        point(b_.position, b_.position);
+        same_turn();
+        break;
+      default:
+        refuse_this(
+            " is of a kind that is not supported; ball, hinge, slider, universal and fixed are, and contacts are made "
+            "by the step itself");
+    }
+    return joint_;
+  }
+
+ private:
+  [[noreturn]] void refuse_this(const char* why) const { refuse(name(joint_) + why, dJointGetBody(id_, 0), id_); }
+
+  using GetVector = void (*)(dJointID, dReal*);
+  using GetParameter = dReal (*)(dJointID, int);
+
+  void free_of_motor(GetParameter get) const {
+    for (const int group : {0, 0x100}) {
+      if (group != 0 && dJointGetType(id_) != dJointTypeUniversal) continue;
+      if (get(id_, dParamFMax + group) != 0) refuse_this(" has a motor; set its dParamFMax to 0");
+      if (get(id_, dParamLoStop + group) > -dInfinity || get(id_, dParamHiStop + group) < dInfinity) {
+        refuse_this(" has stops; they are not supported: set dParamLoStop to -dInfinity and dParamHiStop to dInfinity");
+      }
+    }
+  }
+
+  Vector3d axis(GetVector get) const {
+    dVector3 v;
+    get(id_, v);
+    return vector(v).normalized();
+  }
+
+  void anchors(GetVector first, GetVector second) {
+    dVector3 one, two;
+    first(id_, one);
+    second(id_, two);
+    point(vector(reversed_ ? two : one), vector(reversed_ ? one : two));
+  }
+  void point(const Vector3d& of_a, const Vector3d& of_b) { joint_.points.push_back({a_.point(of_a), b_.point(of_b)}); }
+  void square(const Vector3d& of_a, const Vector3d& of_b) {
+    joint_.squares.push_back({a_.direction(of_a), b_.direction(of_b)});
+  }
+  /// Both bodies keep this axis.
+  void along(const Vector3d& axis) {
+    const Vector3d p = axis.unitOrthogonal();
+    square(p, axis);
+    square(axis.cross(p), axis);
+  }
+  /// The bodies keep their relative orientation.
+  void same_turn() {
+    const Matrix3d e = Matrix3d::Identity();
+    square(e.col(0), e.col(1));
+    square(e.col(1), e.col(2));
+    square(e.col(2), e.col(0));
+  }
+  void slide(const Vector3d& axis) {
+    const Vector3d p = axis.unitOrthogonal();
+    const Vector3d here = b_.position;
+    for (const Vector3d& across : {p, Vector3d(axis.cross(p))}) {
+      joint_.slides.push_back({a_.direction(across), a_.point(here), b_.point(here)});
+    }
+  }
+
+  dJointID id_;
+  bool reversed_;
+  Joint joint_;
+  Frame a_, b_;
+};
+
+}  // namespace
+
+std::string name(const Joint& joint) {
+  return "the " + kind(joint.id) + " between " + name(joint.a) + " and " + name(joint.b);
+}
+
+Matrix3d rotation(const Eigen::Vector4d& turn) {
+  const double w = turn[0], x = turn[1], y = turn[2], z = turn[3];
+  const double s = 2 / turn.squaredNorm();
+  Matrix3d r;
+  r << 1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y),  //
+      s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x),   //
+      s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y);
+  return r;
+}
+
+Mechanism read_mechanism(dWorldID world, dSpaceID space, std::span<dxBody* const> given, const Mechanism& earlier) {
+  Mechanism mechanism;
+  for (const dBodyID body : discover(world, space, given, earlier.numbers)) {
+    mechanism.numbers.emplace(body, mechanism.bodies.size());
+    mechanism.bodies.push_back(read_body(body, mechanism.bodies.size()));
+  }
+  if (mechanism.bodies.empty()) {
+    refuse("found no body: give the space that holds their geoms, or name them in AccurateStepOptions::bodies");
+  }
+  std::set<dJointID> known;
+  for (const Body& body : mechanism.bodies) {
+    for (int j = 0; j < dBodyGetNumJoints(body.id); ++j) {
+      const dJointID id = dBodyGetJoint(body.id, j);
+      if (dJointIsEnabled(id) == 0 || !known.insert(id).second) continue;
+      mechanism.joints.push_back(JointReader(id, mechanism.numbers).read());
+    }
+  }
+  for (std::size_t i = 0; i < mechanism.joints.size(); ++i) {
+    const Joint& one = mechanism.joints[i];
+    for (std::size_t j = i + 1; j < mechanism.joints.size(); ++j) {
+      const Joint& other = mechanism.joints[j];
+      const auto shared = [&](std::size_t body) { return body != world_body && (body == other.a || body == other.b); };
+      if (shared(one.a) || shared(one.b)) mechanism.neighbours.emplace_back(i, j);
+    }
+  }
+  return mechanism;
+}
+
+void constrain(const Joint& joint, const State& state, std::span<const Matrix3d> turns, JointRows& rows) {
+  const bool to_world = joint.b == world_body;
+  const BodyNow& a = state[joint.a];
+  const Matrix3d& turn_a = turns[joint.a];
+  const Vector3d zero = Vector3d::Zero();
+  const Matrix3d identity = Matrix3d::Identity();
+  const Matrix3d& turn_b = to_world ? identity : turns[joint.b];
+  const Vector3d& x_b = to_world ? zero : state[joint.b].pose.position;
+  const Vector3d& v_b = to_world ? zero : state[joint.b].twist.linear;
+  const Vector3d& w_b = to_world ? zero : state[joint.b].twist.angular;
+  const Vector3d& x_a = a.pose.position;
+  const Vector3d& v_a = a.twist.linear;
+  const Vector3d& w_a = a.twist.angular;
+
+  Eigen::Index k = 0;
+  const auto cross_matrix = [](const Vector3d& v) {
+    Matrix3d m;
+    m << 0, -v[2], v[1], v[2], 0, -v[0], -v[1], v[0], 0;
+    return m;
+  };
+  for (const Point& point : joint.points) {
+    const Vector3d r_a = turn_a * point.on_a;
+    const Vector3d r_b = turn_b * point.on_b;
+    rows.of_a.block<3, 3>(k, 0).setIdentity();
+    rows.of_a.block<3, 3>(k, 3) = -cross_matrix(r_a);
+    rows.of_b.block<3, 3>(k, 0) = -identity;
+    rows.of_b.block<3, 3>(k, 3) = cross_matrix(r_b);
+    rows.error.segment<3>(k) = x_a + r_a - x_b - r_b;
+    rows.bias.segment<3>(k) = w_a.cross(w_a.cross(r_a)) - w_b.cross(w_b.cross(r_b));
+    k += 3;
+  }
+  for (const Square& square : joint.squares) {
+    const Vector3d p = turn_a * square.p;
+    const Vector3d n = turn_b * square.n;
+    const Vector3d row = p.cross(n);
+    const Vector3d row_rate = w_a.cross(p).cross(n) + p.cross(w_b.cross(n));
+    rows.of_a.block<1, 3>(k, 3) = row.transpose();
+    rows.of_b.block<1, 3>(k, 3) = -row.transpose();
+    rows.error[k] = p.dot(n);
+    rows.bias[k] = row_rate.dot(w_a - w_b);
+    ++k;
+  }
+  for (const Slide& slide : joint.slides) {
+    const Vector3d p = turn_a * slide.p;
+    const Vector3d r_a = turn_a * slide.on_a;
+    const Vector3d r_b = turn_b * slide.on_b;
+    const Vector3d apart = x_b + r_b - x_a - r_a;
+    const Vector3d apart_rate = v_b + w_b.cross(r_b) - v_a - w_a.cross(r_a);
+    rows.of_a.block<1, 3>(k, 0) = -p.transpose();
+    rows.of_a.block<1, 3>(k, 3) = (p.cross(apart) - r_a.cross(p)).transpose();
+    rows.of_b.block<1, 3>(k, 0) = p.transpose();
+    rows.of_b.block<1, 3>(k, 3) = r_b.cross(p).transpose();
+    rows.error[k] = p.dot(apart);
+    rows.bias[k] = w_a.cross(w_a.cross(p)).dot(apart) + 2 * w_a.cross(p).dot(apart_rate) +
+                   p.dot(w_b.cross(w_b.cross(r_b)) - w_a.cross(w_a.cross(r_a)));
+    ++k;
+  }
+}
+
+}  // namespace odeval::engine_rk4

@@ -1,0 +1,108 @@
+#pragma once
+// Bodies and joints of an ODE world, as its public functions describe them, and the equations of constraint.
+//
+// World frame throughout. A twist (v, w) is the velocity of a body's centre and its angular velocity. A joint is up to
+// six scalar constraints C = 0 of three kinds, each with its row J (C' = J u over the twists u of its two bodies) and
+// the part of C'' that holds no acceleration:
+//
+//   point   r_a - r_b = 0           three rows: the anchors coincide
+//   square  p . n = 0               p fixed in body a, n in body b
+//   slide   p . (r_b - r_a) = 0     p fixed in body a
+//
+//   ball      point                       universal  point, square
+//   hinge     point, 2 square             slider     2 slide, 3 square
+//   fixed     point, 3 square
+#include <ode/ode.h>
+
+#include <Eigen/Geometry>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engines/ode_rk4/block_ldl.hpp"
+
+namespace odeval::engine_rk4 {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+struct Pose {
+  Vector3d position;
+  Eigen::Vector4d turn;  // quaternion (w, x, y, z), body to world
+};
+
+struct Twist {
+  Vector3d linear;
+  Vector3d angular;
+};
+
+struct BodyNow {
+  Pose pose;
+  Twist twist;
+};
+using State = std::vector<BodyNow>;
+
+struct Body {
+  dBodyID id;
+  double inverse_mass;
+  Matrix3d inertia;          // body frame
+  Matrix3d inverse_inertia;  // body frame
+};
+
+constexpr std::size_t world_body = static_cast<std::size_t>(-1);
+
+struct Point {
+  Vector3d on_a, on_b;  // body frames; world frame for the world
+};
+struct Square {
+  Vector3d p, n;  // p in a's frame, n in b's
+};
+struct Slide {
+  Vector3d p;           // in a's frame
+  Vector3d on_a, on_b;  // points
+};
+
+struct Joint {
+  dJointID id;
+  std::size_t a, b;  // b may be world_body
+  std::vector<Point> points;
+  std::vector<Square> squares;
+  std::vector<Slide> slides;
+
+  Eigen::Index rows() const { return static_cast<Eigen::Index>(3 * points.size() + squares.size() + slides.size()); }
+};
+
+/// What one joint says at one state. Rows beyond its own are zero.
+struct JointRows {
+  Matrix6 of_a, of_b;  // J, columns (linear, angular)
+  Vector6 error;       // C: m, or rad for squares
+  Vector6 bias;        // C'' without accelerations
+};
+
+struct Mechanism {
+  std::vector<Body> bodies;
+  std::vector<Joint> joints;
+  std::vector<std::pair<std::size_t, std::size_t>> neighbours;  // joints that share a body
+  std::map<dBodyID, std::size_t> numbers;
+};
+
+/// One of ODE's vectors.
+inline Vector3d vector(const dReal* v) { return {v[0], v[1], v[2]}; }
+
+/// Rotation matrix of a quaternion of any length but 0.
+Matrix3d rotation(const Eigen::Vector4d& turn);
+
+/// Reads the given bodies, those of the space's geoms in the order they were made, and what their joints lead to, and
+/// numbers them in this order; those of an earlier reading keep theirs. Throws AccurateStepError.
+Mechanism read_mechanism(dWorldID world, dSpaceID space, std::span<dxBody* const> given, const Mechanism& earlier = {});
+
+/// "the hinge between body 0 and body 1"
+std::string name(const Joint& joint);
+
+/// Fills `rows` for a joint at a state; `turns` are the rotation matrices of the state's bodies. What is zero at every
+/// state is not written and must be zero before.
+void constrain(const Joint& joint, const State& state, std::span<const Matrix3d> turns, JointRows& rows);
+
+}  // namespace odeval::engine_rk4

@@ -1,0 +1,270 @@
+#include "engines/ode_rk4/motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace odeval::engine_rk4 {
+namespace {
+
+// Rows that repeat others leave a pivot of rounding, 1e-16 of their diagonal element times the growth of elimination;
+// a mechanism is within 1e-12 of a singular pose for no longer than it takes to pass it.
+constexpr double redundant_pivot = 1e-12;
+
+// m, rad. A correction of this size leaves its square, which is rounding; what a step of ordinary size needs is
+// smaller.
+constexpr double small_correction = 1e-7;
+constexpr double closed = 1e-13;  // m, rad: a hundred roundings of a body's size
+
+Eigen::Vector4d turn_rate(const Vector3d& w, const Eigen::Vector4d& q) {
+  const Vector3d v = q.tail<3>();
+  Eigen::Vector4d rate;
+  rate[0] = -0.5 * w.dot(v);
+  rate.tail<3>() = 0.5 * (q[0] * w + w.cross(v));
+  return rate;
+}
+
+/// A turn by a small rotation vector in the world, exact in its angle.
+void turn_by(const Vector3d& angle, Eigen::Vector4d& q) {
+  const double size = angle.norm();
+  const double half = size / 2;
+  const double sine = size > 0 ? std::sin(half) / size : 0.5;
+  const double w = std::cos(half);
+  const Vector3d u = sine * angle;
+  const Vector3d v = q.tail<3>();
+  const double scalar = w * q[0] - u.dot(v);
+  q.tail<3>() = w * v + q[0] * u + u.cross(v);
+  q[0] = scalar;
+  q.normalize();
+}
+
+std::vector<Eigen::Index> rows_of(const std::vector<Joint>& joints) {
+  std::vector<Eigen::Index> rows;
+  for (const Joint& joint : joints) rows.push_back(joint.rows());
+  return rows;
+}
+
+}  // namespace
+
+Motion::Motion(Mechanism mechanism)
+    : mechanism_(std::move(mechanism)), matrix_(rows_of(mechanism_.joints), mechanism_.neighbours) {
+  const std::size_t bodies = mechanism_.bodies.size();
+  const std::size_t joints = mechanism_.joints.size();
+  turns_.resize(bodies);
+  inverse_inertias_.resize(bodies);
+  acceleration_.resize(bodies);
+  correction_.resize(bodies);
+  stage_.resize(bodies);
+  sum_.resize(bodies);
+  const JointRows none{Matrix6::Zero(), Matrix6::Zero(), Vector6::Zero(), Vector6::Zero()};
+  rows_.assign(joints, none);
+  rows_of_stage_.assign(joints, none);
+  weighted_.resize(joints);
+  lambda_.resize(joints);
+  stage_lambda_.resize(joints);
+}
+
+void Motion::look(const State& state) {
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    turns_[i] = rotation(state[i].pose.turn);
+    inverse_inertias_[i].noalias() = turns_[i] * mechanism_.bodies[i].inverse_inertia * turns_[i].transpose();
+  }
+  for (std::size_t j = 0; j < rows_.size(); ++j) constrain(mechanism_.joints[j], state, turns_, rows_[j]);
+}
+
+/// The columns of a joint at a body, for A: (J M^-1) J'. The linear part of a joint with a point is plus or minus the
+/// identity in the point's three rows, and the rows of squares have none.
+void Motion::add_product(std::size_t i, std::size_t j, std::size_t body, Matrix6& block) const {
+  if (body == world_body) return;
+  const Joint& one = mechanism_.joints[i];
+  const Joint& other = mechanism_.joints[j];
+  const JointRows& rows = rows_[j];
+  const bool first = body == other.a;
+  if (!first && body != other.b) return;
+  const Matrix6& weighted = weighted_[i][body == one.a ? 0 : 1];
+  const Matrix6& row = first ? rows.of_a : rows.of_b;
+  block.noalias() += weighted.rightCols<3>() * row.rightCols<3>().transpose();
+  if (one.slides.empty() && other.slides.empty()) {
+    const bool same_side = (body == one.a) == first;
+    block.diagonal().head<3>().array() += (same_side ? 1 : -1) * mechanism_.bodies[body].inverse_mass;
+  } else {
+    block.noalias() += weighted.leftCols<3>() * row.leftCols<3>().transpose();
+  }
+}
+
+void Motion::factor() {
+  matrix_.clear();
+  const auto weigh = [this](const Matrix6& row, std::size_t body, Matrix6& weighted) {
+    if (body == world_body) return;
+    weighted.leftCols<3>() = mechanism_.bodies[body].inverse_mass * row.leftCols<3>();
+    weighted.rightCols<3>().noalias() = row.rightCols<3>() * inverse_inertias_[body];
+  };
+  for (std::size_t j = 0; j < rows_.size(); ++j) {
+    const Joint& joint = mechanism_.joints[j];
+    weigh(rows_[j].of_a, joint.a, weighted_[j][0]);
+    weigh(rows_[j].of_b, joint.b, weighted_[j][1]);
+    Matrix6& diagonal = matrix_.diagonal(j);
+    add_product(j, j, joint.a, diagonal);
+    add_product(j, j, joint.b, diagonal);
+  }
+  for (std::size_t p = 0; p < mechanism_.neighbours.size(); ++p) {
+    auto [i, j] = mechanism_.neighbours[p];
+    if (!matrix_.first_has_rows(p)) std::swap(i, j);
+    add_product(i, j, mechanism_.joints[i].a, matrix_.pair(p));
+    add_product(i, j, mechanism_.joints[i].b, matrix_.pair(p));
+  }
+  matrix_.factor(redundant_pivot);
+}
+
+void Motion::solve_onto(std::vector<Twist>& twists) {
+  const auto add = [](const Matrix6& row, const Twist& twist, Vector6& to) {
+    to.noalias() += row.leftCols<3>() * twist.linear;
+    to.noalias() += row.rightCols<3>() * twist.angular;
+  };
+  for (std::size_t j = 0; j < rows_.size(); ++j) {
+    const Joint& joint = mechanism_.joints[j];
+    add(rows_[j].of_a, twists[joint.a], lambda_[j]);
+    if (joint.b != world_body) add(rows_[j].of_b, twists[joint.b], lambda_[j]);
+    lambda_[j] = -lambda_[j];
+  }
+  matrix_.solve(lambda_);
+  const auto push = [](const Matrix6& weighted, const Vector6& lambda, Twist& twist) {
+    twist.linear.noalias() += weighted.leftCols<3>().transpose() * lambda;
+    twist.angular.noalias() += weighted.rightCols<3>().transpose() * lambda;
+  };
+  for (std::size_t j = 0; j < rows_.size(); ++j) {
+    const Joint& joint = mechanism_.joints[j];
+    push(weighted_[j][0], lambda_[j], twists[joint.a]);
+    if (joint.b != world_body) push(weighted_[j][1], lambda_[j], twists[joint.b]);
+  }
+}
+
+void Motion::accelerate(const State& state, const std::vector<Wrench>& forces) {
+  look(state);
+  factor();
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    const Body& body = mechanism_.bodies[i];
+    const Vector3d& w = state[i].twist.angular;
+    const Vector3d spin = turns_[i] * (body.inertia * (turns_[i].transpose() * w));
+    acceleration_[i].linear = body.inverse_mass * forces[i].force;
+    acceleration_[i].angular.noalias() = inverse_inertias_[i] * (forces[i].torque - w.cross(spin));
+  }
+  for (std::size_t j = 0; j < rows_.size(); ++j) lambda_[j] = rows_[j].bias;
+  solve_onto(acceleration_);
+}
+
+JointErrors Motion::step(const State& from, Forces& forces, double h, State& to) {
+  constexpr double at[] = {0, 0.5, 0.5, 1};
+  constexpr double weight[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+  const std::size_t bodies = from.size();
+  to = from;
+  JointError start_error;
+  for (int s = 0; s < 4; ++s) {
+    const double c = at[s] * h;
+    for (std::size_t i = 0; i < bodies; ++i) {
+      const BodyNow& start = from[i];
+      BodyNow& here = stage_[i];
+      if (s == 0) {
+        here = start;
+        continue;
+      }
+      // acceleration_ and `here` still hold the stage before.
+      const Vector3d linear = here.twist.linear;
+      const Eigen::Vector4d turning = turn_rate(here.twist.angular, here.pose.turn);
+      here.pose.position = start.pose.position + c * linear;
+      here.pose.turn = start.pose.turn + c * turning;
+      here.twist.linear = start.twist.linear + c * acceleration_[i].linear;
+      here.twist.angular = start.twist.angular + c * acceleration_[i].angular;
+    }
+    if (forces.renew) forces.renew(forces.start + c, stage_, forces.now);
+    accelerate(stage_, forces.now);
+    if (s == 0) start_error = largest_error();
+    const double part = weight[s] * h;
+    for (std::size_t i = 0; i < bodies; ++i) {
+      to[i].pose.position += part * stage_[i].twist.linear;
+      to[i].pose.turn += part * turn_rate(stage_[i].twist.angular, stage_[i].pose.turn);
+      to[i].twist.linear += part * acceleration_[i].linear;
+      to[i].twist.angular += part * acceleration_[i].angular;
+    }
+  }
+  std::swap(stage_lambda_, lambda_);
+  std::swap(rows_of_stage_, rows_);
+  look(to);
+  if (!(largest_error().size < small_correction)) factor();  // or the last stage's matrix, near enough, will do
+  return {start_error, finish(to).after};                    // which makes unit quaternions
+}
+
+JointError Motion::largest_error() const {
+  JointError largest;
+  for (std::size_t j = 0; j < rows_.size(); ++j) {
+    const double error = rows_[j].error.cwiseAbs().maxCoeff();
+    if (error > largest.size || std::isnan(error)) largest = {error, j};
+  }
+  return largest;
+}
+
+JointError Motion::displace(const std::vector<Twist>& by, State& state) {
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    state[i].pose.position += by[i].linear;
+    turn_by(by[i].angular, state[i].pose.turn);
+  }
+  return project(state).after;
+}
+
+JointErrors Motion::project(State& state) {
+  look(state);
+  factor();
+  return finish(state);
+}
+
+/// Newton's method on the rows at hand, with the matrix at hand or, where that is not enough, newer ones.
+JointErrors Motion::finish(State& state) {
+  JointErrors errors{largest_error(), {}};
+  const bool small = errors.before.size < small_correction;
+  if (small) project_velocities(state);
+  // It at least halves the error a round or has failed: then the caller judges what is left.
+  for (double error = errors.before.size;;) {
+    correct(state);
+    if (error < small_correction && matrix_.left_out() == 0) break;
+    look(state);
+    errors.after = largest_error();
+    if (errors.after.size <= closed || !(errors.after.size < error / 2)) break;
+    error = errors.after.size;
+    factor();
+  }
+  if (!small) project_velocities(state);
+  return errors;
+}
+
+void Motion::project_velocities(State& state) {
+  for (std::size_t i = 0; i < state.size(); ++i) correction_[i] = state[i].twist;
+  for (Vector6& lambda : lambda_) lambda.setZero();
+  solve_onto(correction_);
+  for (std::size_t i = 0; i < state.size(); ++i) state[i].twist = correction_[i];
+}
+
+void Motion::correct(State& state) {
+  for (std::size_t j = 0; j < rows_.size(); ++j) lambda_[j] = rows_[j].error;
+  for (Twist& twist : correction_) twist = {Vector3d::Zero(), Vector3d::Zero()};
+  solve_onto(correction_);
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    state[i].pose.position += correction_[i].linear;
+    turn_by(correction_[i].angular, state[i].pose.turn);
+  }
+}
+
+void Motion::respond(const std::vector<Wrench>& impulses, std::vector<Twist>& change) {
+  change.resize(impulses.size());
+  for (std::size_t i = 0; i < impulses.size(); ++i) {
+    change[i].linear = mechanism_.bodies[i].inverse_mass * impulses[i].force;
+    change[i].angular = inverse_inertias_[i] * impulses[i].torque;
+  }
+  for (Vector6& lambda : lambda_) lambda.setZero();
+  solve_onto(change);
+}
+
+Wrench Motion::force(const Matrix6& row, std::size_t joint) const {
+  const Vector6 f = row.transpose() * stage_lambda_[joint];
+  return {f.head<3>(), f.tail<3>()};
+}
+
+}  // namespace odeval::engine_rk4

@@ -1,0 +1,102 @@
+#pragma once
+// Newton-Euler with Lagrange multipliers, classical Runge-Kutta, and the projection onto the joints.
+//
+//   M u' = f + J' lambda,  J u' + bias = 0   =>   (J M^-1 J') lambda = -(J M^-1 f + bias)
+//
+// One step: four stages; then positions move by -M^-1 J' A^-1 C and velocities by -M^-1 J' A^-1 J u, A = J M^-1 J' at
+// the end of the step: the nearest state, weighted by mass, that keeps the joints (to the second order in what is
+// corrected, which is itself of fifth order in the step).
+#include <array>
+#include <functional>
+#include <vector>
+
+#include "engines/ode_rk4/block_ldl.hpp"
+#include "engines/ode_rk4/mechanism.hpp"
+
+namespace odeval::engine_rk4 {
+
+struct Wrench {
+  Vector3d force;
+  Vector3d torque;
+};
+
+/// dy/dt of one body.
+struct Rate {
+  Vector3d position;
+  Eigen::Vector4d turn;
+  Twist twist;
+};
+
+/// On every body, gravity included. `renew`, if any, is asked for them at the time and the state of each stage.
+struct Forces {
+  std::vector<Wrench> now;
+  std::function<void(double t, const State& state, std::vector<Wrench>& now)> renew;
+  double start = 0;  // t of the state that a step starts from
+};
+
+/// The joint that is farthest apart.
+struct JointError {
+  double size = 0;  // m or rad
+  std::size_t joint = 0;
+};
+
+struct JointErrors {
+  JointError before;
+  JointError after;
+};
+
+class Motion {
+ public:
+  explicit Motion(Mechanism mechanism);
+
+  const Mechanism& mechanism() const { return mechanism_; }
+
+  /// A state moved by h, joints kept. Errors: of the state that it started from, and of the one it came to.
+  JointErrors step(const State& from, Forces& forces, double h, State& to);
+
+  /// Moves poses onto the joints, then velocities. Errors: as found, and what could not be mended.
+  JointErrors project(State& state);
+
+  /// The change of all velocities that impulses (N s, N m s) on bodies make, joints kept, at the pose of the last
+  /// `project` or `displace`.
+  void respond(const std::vector<Wrench>& impulses, std::vector<Twist>& change);
+
+  /// Moves poses by displacements (m, rad), then projects. Returns the joint error that could not be mended.
+  JointError displace(const std::vector<Twist>& by, State& state);
+
+  /// Does a joint's equation repeat what others say? Such ones are left out.
+  bool redundant() const { return matrix_.left_out() > 0; }
+
+  /// Of a joint on its first and on its second body: J' lambda in N and N m about the body's centre, as the last
+  /// stage of the last step had it.
+  Wrench force_on_a(std::size_t joint) const { return force(rows_of_stage_[joint].of_a, joint); }
+  Wrench force_on_b(std::size_t joint) const { return force(rows_of_stage_[joint].of_b, joint); }
+
+ private:
+  Wrench force(const Matrix6& row, std::size_t joint) const;
+  void look(const State& state);     // rotation matrices, inertias, rows
+  JointError largest_error() const;  // of the rows
+  void factor();                     // the matrix of the rows
+  void add_product(std::size_t i, std::size_t j, std::size_t body, Matrix6& block) const;
+  void accelerate(const State& state, const std::vector<Wrench>& forces);
+  JointErrors finish(State& state);
+  void project_velocities(State& state);
+  void correct(State& state);                   // poses, once, by the errors of the rows
+  void solve_onto(std::vector<Twist>& twists);  // twists -= M^-1 J' A^-1 (J twists + right-hand side in lambda_)
+
+  Mechanism mechanism_;
+  BlockLdl matrix_;
+  std::vector<Matrix3d> turns_;
+  std::vector<Matrix3d> inverse_inertias_;  // world frame
+  std::vector<JointRows> rows_;
+  std::vector<JointRows> rows_of_stage_;
+  std::vector<std::array<Matrix6, 2>> weighted_;  // J M^-1 of a joint's two bodies
+  std::vector<Vector6> lambda_;
+  std::vector<Vector6> stage_lambda_;
+  std::vector<Twist> acceleration_;
+  std::vector<Twist> correction_;
+  State stage_;
+  std::vector<Rate> sum_;
+};
+
+}  // namespace odeval::engine_rk4
