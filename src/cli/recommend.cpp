@@ -17,6 +17,7 @@
 #include "cli/progress.hpp"
 #include "cli/settings.hpp"
 #include "odeval/error.hpp"
+#include "odeval/metrics.hpp"
 #include "output/csv_cell.hpp"
 #include "output/file.hpp"
 #include "output/number.hpp"
@@ -270,8 +271,9 @@ std::string setting_text(const Candidate& candidate) {
 
 std::string table_csv(const std::vector<Candidate>& candidates, const Options& options) {
   std::string text =
-      "method,start,knob,setting,max_error_q,reference_uncertainty,max_energy_drift,steps,median_s,mad_s,keeps,why_not,"
-      "command\n";
+      fmt::format("method,start,knob,setting,{},{},{},steps,median_s,mad_s,keeps,why_not,command\n",
+                  quantities[quantity::max_error_q].name, quantities[quantity::reference_uncertainty].name,
+                  quantities[quantity::max_energy_drift].name);
   for (const Candidate& candidate : candidates) {
     const bool keeps = candidate.why_not.empty();
     text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", candidate.method->name,
@@ -371,7 +373,8 @@ Action attach_recommend(Flags& flags) {
       .type_name("T")
       .required()
       .check(number_within(1e-3, 1e4));
-  flags.add_option("--max-energy-drift", options->max_energy_drift, "largest difference from the energy at t = 0, J")
+  const Quantity& drift = quantities[quantity::max_energy_drift];
+  flags.add_option("--max-energy-drift", options->max_energy_drift, fmt::format("{}, {}", drift.meaning, drift.unit))
       .type_name("D")
       .check(number_within(1e-15, 1e15));
   add_method_option(flags, options->methods);

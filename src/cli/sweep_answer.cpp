@@ -171,6 +171,85 @@ std::string counts_text(const Journal& journal) {
   return text;
 }
 
+/// What an error costs in a sweep: the runs that tell, and those of them that no other run beats.
+struct Answer {
+  std::string metric;
+  ErrorOf error;
+  std::vector<Point> points;
+  std::vector<Point> front;
+};
+
+std::string front_csv(const Journal& journal, const Answer& answer) {
+  const Head& head = journal.head();
+  const sweep::Grid grid(head.axes);
+  std::string csv = "cpu_s," + answer.metric + ",reference_uncertainty," + sweep_header(keys_of(head), head.columns);
+  for (const Point& point : answer.front) {
+    const Row row = journal.row(point.run);
+    const std::optional<double> uncertainty = answer.error.uncertainty(row);
+    csv += fmt::format("{},{},{},{}", number_text(point.cost), number_text(answer.error.value(row)),
+                       uncertainty ? number_text(*uncertainty) : "",
+                       sweep_line(point.run, grid.values(point.run), sweep::status_name(row.status), row.reason,
+                                  row.cells, head.columns.size()));
+  }
+  return csv;
+}
+
+/// The same for people.
+std::string front_table(const Journal& journal, const Answer& answer) {
+  const std::vector<std::string> keys = keys_of(journal.head());
+  const sweep::Grid grid(journal.head().axes);
+  std::vector<std::string> header{"CPU, ms", answer.metric + unit_of(answer.metric)};
+  header.insert(header.end(), keys.begin(), keys.end());
+  header.emplace_back("steps");
+  header.emplace_back("run");
+  TextTable table("rr" + std::string(keys.size(), 'l') + "rr", header);
+  for (const Point& point : answer.front) {
+    const Row row = journal.row(point.run);
+    const std::vector<std::string> values = grid.values(point.run);
+    std::vector<std::string> cells{three_digits(1e3 * point.cost),
+                                   with_uncertainty(answer.error.value(row), answer.error.uncertainty(row))};
+    cells.insert(cells.end(), values.begin(), values.end());
+    cells.push_back(number_text(number_in(row.cells, 0)));
+    cells.push_back(std::to_string(point.run));
+    table.add(cells);
+  }
+  return table.text();
+}
+
+/// Whether there was something to draw, and it is drawn. A picture of an earlier front goes either way.
+bool draw(const Journal& journal, const Answer& answer, const fs::path& file) {
+  std::error_code ignored;
+  fs::remove(file, ignored);
+  try {
+    const std::string png = picture(journal, answer.points, answer.front, answer.metric);
+    if (!png.empty()) write_whole(file, png);
+    return !png.empty();
+  } catch (const MachineError& problem) {
+    std::cerr << "odeval: the front is not drawn: " << problem.what() << '\n';
+    return false;
+  }
+}
+
+void print_front(const Journal& journal, const Answer& answer) {
+  const std::string& metric = answer.metric;
+  if (journal.rows(Status::ok) == 0) {
+    std::cout << "\nno run is ok: there is no front\n";
+    return;
+  }
+  if (answer.front.empty()) {
+    std::cout << "\nno run that is ok has a " << metric << " of its own: there is no front\n";
+    return;
+  }
+  std::cout << "\nthe least " << metric << " that a cost buys (Pareto front)\n\n" << front_table(journal, answer);
+  const double worst = answer.error.value(journal.row(answer.front.front().run));
+  if (metric == quantities[quantity::max_error_q].name && worst > divergence_rad) {
+    std::cout << fmt::format(
+        "\nErrors above {} rad say only that the motion was lost: a shorter --duration tells more.\n", divergence_rad);
+  }
+  std::cout << "\nCPU time of the stepping, each run once, while others ran beside it; 'odeval recommend' measures "
+               "properly\n";
+}
+
 }  // namespace
 
 void add_answer_options(Flags& flags, AnswerOptions& options) {
@@ -186,67 +265,19 @@ fs::path journal_file(const fs::path& folder, const std::string& scenario) {
 
 int answer(const Journal& journal, const fs::path& folder, const AnswerOptions& options) {
   const Head& head = journal.head();
-  const fs::path stem = folder / "sweep" / head.scenario;
+  const std::string stem = (folder / "sweep" / head.scenario).string();
   const std::string metric = options.error.empty() ? first_error(journal) : options.error;
-  const ErrorOf error(head, metric);
-  const std::vector<Point> points = write_tables(journal, stem, error);
-  const std::vector<Point> front = sweep::pareto_front(points);
-
-  // The front for programs, and for people.
-  const sweep::Grid grid(head.axes);
-  const std::vector<std::string> keys = keys_of(head);
-  std::string csv = "cpu_s," + metric + ",reference_uncertainty," + sweep_header(keys, head.columns);
-  std::vector<std::string> header{"CPU, ms", metric + unit_of(metric)};
-  header.insert(header.end(), keys.begin(), keys.end());
-  header.emplace_back("steps");
-  header.emplace_back("run");
-  TextTable table("rr" + std::string(keys.size(), 'l') + "rr", header);
-  for (const Point& point : front) {
-    const Row row = journal.row(point.run);
-    const std::vector<std::string> values = grid.values(point.run);
-    const std::optional<double> uncertainty = error.uncertainty(row);
-    csv += fmt::format(
-        "{},{},{},{}", number_text(point.cost), number_text(error.value(row)),
-        uncertainty ? number_text(*uncertainty) : "",
-        sweep_line(point.run, values, sweep::status_name(row.status), row.reason, row.cells, head.columns.size()));
-    std::vector<std::string> cells{three_digits(1e3 * point.cost), with_uncertainty(error.value(row), uncertainty)};
-    cells.insert(cells.end(), values.begin(), values.end());
-    cells.push_back(number_text(number_in(row.cells, 0)));
-    cells.push_back(std::to_string(point.run));
-    table.add(cells);
-  }
-  write_whole(stem.string() + "-front.csv", csv);
-  bool drawn = false;
-  std::error_code ignored;
-  fs::remove(stem.string() + "-front.png", ignored);  // of an earlier front
-  try {
-    const std::string png = picture(journal, points, front, metric);
-    drawn = !png.empty();
-    if (drawn) write_whole(stem.string() + "-front.png", png);
-  } catch (const MachineError& problem) {
-    std::cerr << "odeval: the front is not drawn: " << problem.what() << '\n';
-  }
-
+  Answer answer{metric, ErrorOf(head, metric), {}, {}};
+  answer.points = write_tables(journal, stem, answer.error);
+  answer.front = sweep::pareto_front(answer.points);
+  write_whole(stem + "-front.csv", front_csv(journal, answer));
+  const bool drawn = draw(journal, answer, stem + "-front.png");
   if (!options.quiet) {
     const std::string shard = head.shard.whole() ? "" : ", shard " + head.shard.text();
     std::cout << fmt::format("{}: {} run{} ({}{}){}\n", head.scenario, journal.rows(), journal.rows() == 1 ? "" : "s",
                              grid_text(head), shard, counts_text(journal));
-    if (journal.rows(Status::ok) == 0) {
-      std::cout << "\nno run is ok: there is no front\n";
-    } else if (front.empty()) {
-      std::cout << "\nno run that is ok has a " << metric << " of its own: there is no front\n";
-    } else {
-      std::cout << "\nthe least " << metric << " that a cost buys (Pareto front)\n\n" << table.text();
-      if (metric == quantities[quantity::max_error_q].name &&
-          error.value(journal.row(front.front().run)) > divergence_rad) {
-        std::cout << fmt::format(
-            "\nErrors above {} rad say only that the motion was lost: a shorter --duration tells more.\n",
-            divergence_rad);
-      }
-      std::cout << "\nCPU time of the stepping, each run once, while others ran beside it; 'odeval recommend' measures "
-                   "properly\n";
-    }
-    std::cout << fmt::format("wrote {0}.csv, -timing.csv, -front.csv{1}\n", stem.string(), drawn ? ", -front.png" : "");
+    print_front(journal, answer);
+    std::cout << fmt::format("wrote {0}.csv, -timing.csv, -front.csv{1}\n", stem, drawn ? ", -front.png" : "");
   }
   return journal.rows(Status::ok) == journal.rows() ? 0 : 1;
 }

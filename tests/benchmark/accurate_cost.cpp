@@ -46,7 +46,7 @@ double seconds(const Evaluator& evaluator, const char* method) {
 
 double error(Evaluator& evaluator, const char* method, double until) {
   const auto run = evaluator.evaluate(odeval::catalogue::find_method(method));
-  return evaluator.measure(run, until)[quantity::max_error_q].value();
+  return evaluator.measure(run, until)[odeval::quantity::max_error_q].value();
 }
 
 void per_step(int rounds) {
