@@ -6,47 +6,44 @@
 #include <string_view>
 
 #include "catalogue/evaluation.hpp"
+#include "model/generate.hpp"
 #include "model/problems.hpp"
 
 namespace odeval::test {
 
-inline const Problem* problem(std::string_view name) { return &*std::ranges::find(problems, name, &Problem::name); }
+inline const Problem& problem(std::string_view name) { return *std::ranges::find(problems, name, &Problem::name); }
 
-/// The problems of that family alone.
-inline auto problems_of(Family family) {
-  return problems | std::views::filter([family](const Problem& problem) { return problem.family == family; });
-}
-inline auto pendulums() { return problems_of(Family::pendulum); }
+/// The problems with joint coordinates.
+inline auto planar_problems() { return problems | std::views::filter(&Problem::planar); }
 
 /// The report's values (claims: Parameters), with the engine settings of its C.4 where it gives them.
 inline Scenario report_scenario(std::string_view name, double duration_s, double step_s) {
   constexpr double quarter = 0.78539816339744831;  // pi / 4
+  const Problem& posed = problem(name);
+  const std::size_t links = posed.links == 0 ? 3 : static_cast<std::size_t>(posed.links);  // 0: any number
+  PlanarView view{posed.frame, {links, Link{1.0, 1.0, 0.1, 0.1}}, std::vector<double>(links), std::vector<double>(links), {}};
   Scenario scenario;
   scenario.name = name;
-  scenario.problem = problem(name);
   scenario.duration_s = duration_s;
   scenario.step_s = step_s;
-  const int links = scenario.problem->links == 0 ? 3 : scenario.problem->links;  // 0: any number
-  scenario.links.assign(static_cast<std::size_t>(links), Link{1.0, 1.0, 0.1, 0.1});
-  scenario.q0.assign(scenario.links.size(), 0.0);
-  scenario.qd0.assign(scenario.links.size(), 0.0);
   scenario.ode.max_correcting_vel = 0.1;
   scenario.ode.surface_layer = 1e-4;
-  if (name == "double_pendulum") scenario.q0 = {quarter, -quarter};
-  if (name == "chain") scenario.q0 = {quarter, -quarter, 0};
+  if (name == "double_pendulum") view.q0 = {quarter, -quarter};
+  if (name == "chain") view.q0 = {quarter, -quarter, 0};
   if (name == "potra_pendulum") {
-    scenario.q0 = {-0.52359877559829882, -0.41887902047863906};  // -pi/6, -2 pi/15
+    view.q0 = {-0.52359877559829882, -0.41887902047863906};  // -pi/6, -2 pi/15
     // Larger balls than the scenario file's: twenty iterations of QuickStep do not hold points on rods together.
-    for (Link& link : scenario.links) link = {1.0, 1.0, 0.1, 0.1, Shape::sphere};
-    scenario.wall = Wall{-0.05, 0.1};
+    view.links.assign(links, {1.0, 1.0, 0.1, 0.1, LinkShape::sphere});
+    view.wall = Wall{-0.05, 0.1};
     scenario.ode.cfm = 1e-10;
     scenario.ode.iterations = 200;
-  } else if (scenario.problem->wall) {
+  } else if (posed.wall) {
     scenario.gravity = 9.8;
-    scenario.wall = Wall{0.9, 1.0};
+    view.wall = Wall{0.9, 1.0};
     scenario.ode = OdeSettings{};
     scenario.ode.cfm = 1e-10;
   }
+  put_planar(scenario, std::move(view));
   return scenario;
 }
 
@@ -58,8 +55,7 @@ inline double angle_error(const Scenario& scenario, std::string_view method) {
 }
 
 inline bool in_this_build(std::string_view method) {
-  const auto all = catalogue::methods();
-  return std::ranges::find(all, method, &catalogue::Method::name)->make != nullptr;
+  return std::ranges::find(catalogue::methods(), method, &catalogue::Method::name)->make != nullptr;
 }
 
 }  // namespace odeval::test
