@@ -21,7 +21,8 @@ inline Scenario report_scenario(std::string_view name, double duration_s, double
   constexpr double quarter = 0.78539816339744831;  // pi / 4
   const Problem& posed = problem(name);
   const std::size_t links = posed.links == 0 ? 3 : static_cast<std::size_t>(posed.links);  // 0: any number
-  PlanarView view{posed.frame, {links, Link{1.0, 1.0, 0.1, 0.1}}, std::vector<double>(links), std::vector<double>(links), {}};
+  PlanarView view{
+      posed.frame, {links, Link{1.0, 1.0, 0.1, 0.1}}, std::vector<double>(links), std::vector<double>(links), {}};
   Scenario scenario;
   scenario.name = name;
   scenario.duration_s = duration_s;

@@ -105,7 +105,8 @@ void against_quad(const Case& given, test::Coverage& of_turns, test::Coverage& o
 /// The centre, on a parabola.
 void flight() {
   Scenario scenario;
-  const Body body{.shape = Box{{0.1, 0.4, 0.9}}, .mass_kg = 2, .position_m = {0.3, -0.7, 1.1}, .velocity_m_s = {-2.1, 1.7, 8.3}};
+  const Body body{
+      .shape = Box{{0.1, 0.4, 0.9}}, .mass_kg = 2, .position_m = {0.3, -0.7, 1.1}, .velocity_m_s = {-2.1, 1.7, 8.3}};
   scenario.mechanism.bodies = {body};
   test::Coverage coverage("bodies in flight");
   for (long double t = 0.137L; t < 20; t += 0.37L) {
