@@ -13,11 +13,8 @@ namespace odeval::test {
 
 inline const Problem& problem(std::string_view name) { return *std::ranges::find(problems, name, &Problem::name); }
 
-/// The problems of links in a plane, or those of bodies in space, alone.
-inline auto problems_of(bool planar) {
-  return problems | std::views::filter([planar](const Problem& problem) { return problem.planar == planar; });
-}
-inline auto pendulums() { return problems_of(true); }
+/// The problems with joint coordinates.
+inline auto planar_problems() { return problems | std::views::filter(&Problem::planar); }
 
 /// Balls against a wall instead of boxes: larger ones than the scenario file's, since twenty iterations of QuickStep do
 /// not hold points on rods together.

@@ -164,7 +164,7 @@ int main() {
       if (test::in_this_build(method)) check_bodies(scenario, catalogue::find_method(method));
     }
   }
-  for (const Problem& problem : test::pendulums()) {
+  for (const Problem& problem : test::planar_problems()) {
     for (const catalogue::Method& method : catalogue::methods()) {
       if (method.make != nullptr && method.claims(problem)) check_contract(problem, method);
     }

@@ -112,8 +112,9 @@ Pace slow{'s', {}, 250};
 class Paced : public Simulation {
  public:
   explicit Paced(Pace& pace) : pace_(pace) { now_s += 100; }
-  Outcome run(Rows* rows) override {
-    CHECK(rows == nullptr && !pace_.takes_s.empty());
+  SampleShape shape() const override { return {}; }
+  Outcome run(Recorder recorder) override {
+    CHECK(!recorder && !pace_.takes_s.empty());
     if (!pace_.takes_s.empty()) {
       now_s += pace_.takes_s.front();
       pace_.takes_s.pop_front();
@@ -217,13 +218,13 @@ void the_reports_pendulum_is_known() {
   finer.step_s = 1e-4;  // a setting, not another motion
   CHECK(catalogue::is_of_table_5_2(finer));
   Scenario other = report_pendulum();
-  other.q0[1] += 0.006;
+  change_planar(other, [](PlanarView& view) { view.q0[1] += 0.006; });
   CHECK(!catalogue::is_of_table_5_2(other));
   other = report_pendulum();
   other.gravity = 9.8;
   CHECK(!catalogue::is_of_table_5_2(other));
   other = report_pendulum();
-  other.links[1].width_m = 0.2;
+  change_planar(other, [](PlanarView& view) { view.links[1].width_m = 0.2; });
   CHECK(!catalogue::is_of_table_5_2(other));
 }
 

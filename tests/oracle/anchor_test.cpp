@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tests/check.hpp"
+#include "tests/recorded.hpp"
 #include "tests/scenarios.hpp"
 
 namespace {
@@ -17,12 +18,11 @@ struct Pose {
 Pose pose_after(long steps) {
   const Scenario scenario = test::report_scenario("double_pendulum", 1.0, 1e-3);
   const SampleGrid grid{1e-3, 1, 1001};
-  Rows rows(2 * body_numbers + 1, 1001);
-  catalogue::find_method("ode-step-double").make(scenario, grid)->run(&rows);
-  const double* link1 = rows.row(static_cast<std::size_t>(steps));
-  const double* link2 = link1 + body_numbers;
-  constexpr std::size_t spin = 15;
-  return {link1[1], link1[2], link2[1], link2[2], link1[spin], link2[spin]};
+  const Motion motion = test::recorded(catalogue::find_method("ode-step-double").make, scenario, grid).motion;
+  const auto links = motion[static_cast<std::size_t>(steps)].bodies;
+  const auto [x1, y1, z1] = links[0].position;
+  const auto [x2, y2, z2] = links[1].position;
+  return {y1, z1, y2, z2, links[0].spin[0], links[1].spin[0]};
 }
 
 void check(const Pose& pose, const Pose& wanted, double tolerance) {

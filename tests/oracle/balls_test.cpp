@@ -32,11 +32,15 @@ double energy(const BallWall& wall, const BallWall::State& y) {
   return wall.equations().kinetic(y) + wall.equations().potential(y);
 }
 
+void set_restitution(Scenario& scenario, double restitution) {
+  change_planar(scenario, [&](PlanarView& view) { view.wall->restitution = restitution; });
+}
+
 // One ball at the wall leaves it with e times its speed; the rates change along M^-1 J' alone, so that a push on the
 // ball is all there was: what is lost is (1 - e^2) u^2 / (2 J M^-1 J').
 void check_single_impacts() {
   Scenario scenario = test::report_scenario("potra_pendulum", 1, 1e-3);
-  scenario.wall->restitution = 0.3;
+  set_restitution(scenario, 0.3);
   const BallWall wall(scenario);
   for (const BallWall::State& y : {BallWall::State{-1.2, 0.4, -1.1, 0.3}, BallWall::State{-0.4, -1.9, -2.0, 0.5}}) {
     for (const std::size_t ball : {0U, 1U}) {
@@ -51,7 +55,7 @@ void check_single_impacts() {
       // J M^-1 J' from the change itself: the impulse is (u+ - u) over it, and changes the energy by p (u + u+) / 2.
       const auto response = [&] {
         Scenario elastic = scenario;
-        elastic.wall->restitution = 1;
+        set_restitution(elastic, 1);
         const BallWall::State back = BallWall(elastic).struck(y, at_wall);
         CHECK_NEAR(energy(wall, back), energy(wall, y), 1e-13 * std::fabs(energy(wall, y)) + 1e-13);
         return back;
@@ -115,7 +119,7 @@ void check_bound_through_impacts() {
 }
 
 // The accurate step has the same impacts from Cartesian bodies, joints and contacts: nothing in common with the
-// reference but the problem. Fourth order: 5e-11 s at 1 ms. A restitution of 1: the energy stays.
+// reference but the scenario. Fourth order: 5e-11 s at 1 ms. A restitution of 1: the energy stays.
 void check_against_accurate_step() {
   Evaluator evaluator(shipped("potra_pendulum"));
   const auto run = evaluator.evaluate(catalogue::find_method("ode-rk4-double"));
@@ -128,7 +132,7 @@ void check_against_accurate_step() {
     CHECK_EQUAL(*run.outcome.impacts[i].link, *wanted[i].link);
   }
   Scenario elastic = shipped("potra_pendulum");
-  elastic.wall->restitution = 1;
+  set_restitution(elastic, 1);
   const Reference reference = reference::solve_reference(elastic, sample_grid(elastic));
   CHECK(reference.impacts.size() > 3);
   for (std::size_t k = 0; k < reference.trace.rows(); ++k) {
@@ -150,7 +154,7 @@ void check_depths() {
 // A wall that a ball's weight presses it against: it comes to rest, which the reference does not follow and says so.
 void check_rest_is_refused() {
   Scenario scenario = test::report_scenario("potra_pendulum", 3, 1e-3);
-  scenario.wall = Wall{0.4, 0};
+  change_planar(scenario, [](PlanarView& view) { view.wall = Wall{0.4, 0}; });
   CHECK_THROWS(reference::solve_reference(scenario, sample_grid(scenario)), MachineError,
                "comes to rest on the wall, which is not followed");
 }
@@ -189,10 +193,11 @@ int broken(const std::string& name, const std::function<void(Scenario&)>& change
 void check_tolerances_can_fail() {
   const auto nothing = [](Scenario&) {};
   const auto gravity = [](Scenario& s) { s.gravity = 9.8; };
-  const auto anchor = [](Scenario& s) { s.links[0].length_m += 1e-3; };
-  const auto inertia = [](Scenario& s) { s.links[1].width_m *= 1.5; };  // of a box: 1.2 % of its inertia
-  const auto ball = [](Scenario& s) { s.links[0].width_m *= 1.01; };
-  const auto restitution = [](Scenario& s) { s.wall->restitution *= 1.01; };
+  const auto in_view = [](auto change) { return [change](Scenario& s) { change_planar(s, change); }; };
+  const auto anchor = in_view([](PlanarView& view) { view.links[0].length_m += 1e-3; });
+  const auto inertia = in_view([](PlanarView& view) { view.links[1].width_m *= 1.5; });  // 1.2 % of a box's inertia
+  const auto ball = in_view([](PlanarView& view) { view.links[0].width_m *= 1.01; });
+  const auto restitution = in_view([](PlanarView& view) { view.wall->restitution *= 1.01; });
   for (const char* name : {"chain", "potra_pendulum"}) {
     CHECK_EQUAL(broken(name, nothing), 0);
     for (const auto& [what, change] : {std::pair{"g 9.8", std::function<void(Scenario&)>(gravity)},

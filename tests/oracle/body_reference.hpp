@@ -66,8 +66,9 @@ inline std::array<long double, 9> long_rotation(const std::array<long double, 3>
 /// The attitude of body i at t against that of a body that keeps its spin.
 inline void add_turn(Coverage& coverage, const Scenario& scenario, double t, std::size_t body) {
   const Reference reference = reference_at(scenario, t);
-  const Vec3& turn = scenario.bodies[body].turn_rad;
-  const Vec3& spin = scenario.bodies[body].spin_rad_s;
+  const Body& start_of = scenario.mechanism.bodies[body];
+  const Vec3 turn = rotation_vector(start_of.attitude);
+  const Vec3& spin = start_of.spin_rad_s;
   const long double time = t;
   const auto start = long_rotation({turn[0], turn[1], turn[2]});
   const auto since = long_rotation({spin[0] * time, spin[1] * time, spin[2] * time});

@@ -23,18 +23,23 @@ constexpr double radius = 0.1;
 
 Scenario ball(double height, double rate, double restitution) {
   Scenario scenario;
-  scenario.problem = test::problem("bouncing_ball");
   scenario.duration_s = 3;
-  scenario.ground = Ground{0, restitution};
   scenario.ode.cfm = 1e-10;
-  scenario.bodies = {
-      Body{Shape::sphere, 1.0, {2 * radius, 2 * radius, 2 * radius}, {0, 0, radius + height}, {}, {0.3, 0, rate}, {}}};
+  Description description;
+  description.problem = &test::problem("bouncing_ball");
+  description.ground = GroundTable{0, restitution};
+  description.bodies = {BodyTable{.sphere = true,
+                                  .mass_kg = 1,
+                                  .size_m = {2 * radius, 2 * radius, 2 * radius},
+                                  .position_m = {0, 0, radius + height},
+                                  .velocity_m_s = {0.3, 0, rate}}};
+  put_bodies(scenario, description);
   return scenario;
 }
 
 BodyState state_at(const reference::BodyMotion& motion, double t) {
   std::vector<BodyState> states(1);
-  motion.at(t, states);
+  motion.at(t, states, {});
   return states[0];
 }
 
@@ -82,8 +87,8 @@ void attitude() {
   for (const Vec3& spin : {Vec3{}, Vec3{0.3, -0.2, 0.1}, Vec3{3, -20, 7}}) {
     for (double angle = 0.1; angle < 3; angle += 0.4) {
       Scenario scenario = ball(1, 0, 0.7);
-      scenario.bodies[0].turn_rad = {angle / 3, -angle, angle / 2};
-      scenario.bodies[0].spin_rad_s = spin;
+      scenario.mechanism.bodies[0].attitude = Vec3{angle / 3, -angle, angle / 2};
+      scenario.mechanism.bodies[0].spin_rad_s = spin;
       for (double t = 0.0137; t < 20; t += 0.37) test::add_turn(coverage, scenario, t, 0);
     }
   }
@@ -92,7 +97,7 @@ void attitude() {
 
 void rest() {
   Scenario scenario = ball(1, 0, 0.7);
-  scenario.bodies[0].velocity_m_s = {};
+  scenario.mechanism.bodies[0].velocity_m_s = {};
   const auto motion = reference::make_body_motion(scenario);
   const double first = std::sqrt(2 / 9.81);
   CHECK_NEAR(motion->at_rest_from(), first * (1 + 2 * 0.7 / 0.3), 1e-14);
@@ -104,23 +109,24 @@ void rest() {
   CHECK_NEAR(impacts[1].qd_after, 0.49 * 9.81 * first, 1e-14);
   // On a slope it slides on without friction, and never rests.
   Scenario slope = scenario;
-  slope.ground->slope_rad = 0.3;
-  slope.bodies[0].position_m = {0.2 * std::sin(0.3), 0, 0.2 * std::cos(0.3)};
+  slope.mechanism.obstacles[0].shape = sloping(0.3);
+  slope.mechanism.bodies[0].position_m = {0.2 * std::sin(0.3), 0, 0.2 * std::cos(0.3)};
   const auto sliding = reference::make_body_motion(slope);
   CHECK(sliding->at_rest_from() < 0);
   const BodyState late = state_at(*sliding, 10);
-  CHECK_NEAR(std::hypot(late.velocity[0], late.velocity[1], late.velocity[2]), 9.81 * std::sin(0.3) * 10, 1e-12);
+  CHECK_NEAR(length(late.velocity), 9.81 * std::sin(0.3) * 10, 1e-12);
 }
 
 void refusals() {
   Scenario scenario = ball(-0.01, 0, 0.5);
   CHECK_THROWS(reference::make_body_motion(scenario), UserError, "must be at least 0.1 m above the ground");
   scenario = ball(1, 0, 0.5);
-  scenario.bodies.push_back(scenario.bodies[0]);
-  scenario.bodies[1].position_m = {1, 0, 3};
-  scenario.bodies[1].velocity_m_s = {-0.1, 0, 0};
+  std::vector<Body>& bodies = scenario.mechanism.bodies;
+  bodies.push_back(bodies[0]);
+  bodies[1].position_m = {1, 0, 3};
+  bodies[1].velocity_m_s = {-0.1, 0, 0};
   CHECK_THROWS(reference::make_body_motion(scenario), UserError, "lets the ball meet that of bodies.0");
-  scenario.bodies[0].shape = Shape::box;
+  bodies[0].shape = Box{{0.2, 0.2, 0.2}};
   CHECK_THROWS(reference::make_body_motion(scenario), UserError, "must be sphere");
 }
 
@@ -146,8 +152,8 @@ void own_law(std::string_view method, double tolerance) {
           ++touches;
           double wanted = scenario.ode.erp * depth / h;
           if (-rate[k] > 0) wanted = std::fmax(wanted, -e * rate[k]);
-          const double force = std::fmax(0, (wanted - after) / (h / scenario.bodies[0].mass_kg + cfm));
-          after += h * force / scenario.bodies[0].mass_kg;
+          const double force = std::fmax(0, (wanted - after) / (h / scenario.mechanism.bodies[0].mass_kg + cfm));
+          after += h * force / scenario.mechanism.bodies[0].mass_kg;
         }
         worst = std::fmax(worst, std::fabs(after - rate[k + 1]));
         worst = std::fmax(worst, std::fabs(height[k] + h * after - height[k + 1]));

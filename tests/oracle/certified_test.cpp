@@ -11,6 +11,7 @@
 #include "reference/cvode.hpp"
 #include "reference/reference_solution.hpp"
 #include "tests/check.hpp"
+#include "tests/recorded.hpp"
 
 namespace {
 
@@ -52,14 +53,13 @@ void check_reference(const CertifiedMotion& motion) {
 void check_cvode() {
   const CertifiedMotion& motion = certified_motions[0];
   const std::vector<CertifiedRow> truth = test::read_certified(motion);
-  Rows rows(4, truth.size());
-  const Outcome outcome = make_cvode(motion.scenario(), certified_grid)->run(&rows);
+  const auto [outcome, moved] = test::recorded(make_cvode, motion.scenario(), certified_grid);
   CHECK(!outcome.diverged);
-  CHECK_EQUAL(rows.count(), truth.size());
+  CHECK_EQUAL(moved.size(), truth.size());
   double until_5 = 0;
   double until_10 = 0;
   for (std::size_t k = 0; k < truth.size(); ++k) {
-    const double off = error(truth[k], rows.row(k)[0], rows.row(k)[1]);
+    const double off = error(truth[k], moved[k].q[0], moved[k].q[1]);
     if (truth[k].t <= 5) until_5 = std::max(until_5, off);
     until_10 = std::max(until_10, off);
   }
@@ -67,8 +67,8 @@ void check_cvode() {
   CHECK_BETWEEN(until_5, 1e-14, 1e-8);
   CHECK_BETWEEN(until_10, 1e-13, 1e-5);
 
-  // Without rows it takes the same steps.
-  const Outcome bare = make_cvode(motion.scenario(), certified_grid)->run(nullptr);
+  // Unrecorded it takes the same steps.
+  const Outcome bare = make_cvode(motion.scenario(), certified_grid)->run({});
   CHECK_EQUAL(bare.steps, outcome.steps);
   CHECK_EQUAL(bare.evaluations, outcome.evaluations);
 }

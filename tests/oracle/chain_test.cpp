@@ -9,6 +9,7 @@
 #include "reference/dh_chain.hpp"
 #include "reference/equations.hpp"
 #include "reference/extrapolation.hpp"
+#include "reference/generalized_rows.hpp"
 #include "reference/long_chain_reference.hpp"
 #include "reference/quad.hpp"
 #include "reference/reference_solution.hpp"
@@ -28,10 +29,11 @@ constexpr double quarter = 0.78539816339744831;  // pi / 4
 Scenario chain_of(std::size_t n, double duration_s, double step_s) {
   Scenario scenario = test::report_scenario("double_pendulum", duration_s, step_s);
   scenario.name = "chain";
-  scenario.problem = test::problem("chain");
-  scenario.links.resize(n, scenario.links[0]);
-  scenario.q0.resize(n, 0.0);
-  scenario.qd0.resize(n, 0.0);
+  change_planar(scenario, [n](PlanarView& view) {
+    view.links.resize(n, view.links[0]);
+    view.q0.resize(n, 0.0);
+    view.qd0.resize(n, 0.0);
+  });
   return scenario;
 }
 
@@ -42,18 +44,19 @@ Scenario uneven_chain(std::size_t n, unsigned seed) {
     return low + (high - low) * static_cast<double>(random()) / static_cast<double>(std::mt19937::max());
   };
   Scenario scenario = chain_of(n, 1.0, 1e-3);
-  for (std::size_t i = 0; i < n; ++i) {
-    const double width = from_to(0.02, 0.3);
-    scenario.links[i] = Link{from_to(0.3, 3), from_to(0.3, 2), width, width, i % 3 == 1 ? Shape::sphere : Shape::box};
-    scenario.q0[i] = from_to(-2, 2);
-    scenario.qd0[i] = from_to(-3, 3);
-  }
+  change_planar(scenario, [&](PlanarView& view) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const double width = from_to(0.02, 0.3);
+      view.links[i] = {from_to(0.3, 3), from_to(0.3, 2), width, width, i % 3 == 1 ? LinkShape::sphere : LinkShape::box};
+      view.q0[i] = from_to(-2, 2);
+      view.qd0[i] = from_to(-3, 3);
+    }
+  });
   return scenario;
 }
 
 std::vector<double> slope_of(const LongChain<double>& chain, const Scenario& scenario) {
-  std::vector<double> y = scenario.q0;
-  y.insert(y.end(), scenario.qd0.begin(), scenario.qd0.end());
+  const auto y = reference::start_state<std::vector<double>>(*scenario.planar);
   std::vector<double> dydt(y.size());
   chain(y, dydt);
   return dydt;
@@ -73,8 +76,8 @@ void check_against_mass_matrix() {
     const Scenario scenario = uneven_chain(N, seed);
     const LongChain<double> chain(scenario);
     const ChainEquations<double, N> dense(scenario);
-    typename ChainEquations<double, N>::State y, wanted;
-    std::ranges::copy(scenario.qd0, std::ranges::copy(scenario.q0, y.begin()).out);
+    const auto y = reference::start_state<typename ChainEquations<double, N>::State>(*scenario.planar);
+    auto wanted = y;
     dense(y, wanted);
     const std::vector<double> found = slope_of(chain, scenario);
     const double within = 3e-12 * largest(found);
@@ -90,10 +93,10 @@ void check_against_kdl(std::size_t n, double within) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     const Scenario scenario = uneven_chain(n, seed);
     const auto standard = reference::DhConvention::standard;
-    reference::DhChain kdl(standard, reference::pendulum_links(scenario, standard),
+    reference::DhChain kdl(standard, reference::pendulum_links(*scenario.planar, standard),
                            reference::pendulum_gravity(scenario));
     std::vector<double> wanted(n);
-    kdl.accelerations(scenario.q0.data(), scenario.qd0.data(), wanted.data());
+    kdl.accelerations(scenario.planar->q0.data(), scenario.planar->qd0.data(), wanted.data());
     const std::vector<double> found = slope_of(LongChain<double>(scenario), scenario);
     for (std::size_t i = 0; i < n; ++i) CHECK_NEAR(found[n + i], wanted[i], within * largest(found));
   }
@@ -103,14 +106,13 @@ void check_against_kdl(std::size_t n, double within) {
 void check_forces() {
   const Scenario scenario = uneven_chain(7, 3);
   const LongChain<double> chain(scenario);
-  std::vector<double> y = scenario.q0;
-  y.insert(y.end(), scenario.qd0.begin(), scenario.qd0.end());
+  const auto y = reference::start_state<std::vector<double>>(*scenario.planar);
   const std::vector<double> slope = slope_of(chain, scenario);
   const auto forces = chain.forces(y);
   double angle = 0, rate = 0, acceleration = 0;
   std::array<double, 2> hinge{0, 0};
   for (std::size_t i = 0; i < 7; ++i) {
-    const Link& link = scenario.links[i];
+    const Link& link = scenario.planar->links[i];
     angle += y[i];
     rate += y[7 + i];
     acceleration += slope[7 + i];
@@ -133,11 +135,7 @@ void check_bound(Scenario scenario) {
   const Reference reference = reference::solve_reference(scenario, grid);
   reference::Extrapolation<Quad, 2 * N> extrapolation(reference::quad_order);
   const ChainEquations<Quad, N> equations(scenario);
-  typename ChainEquations<Quad, N>::State y;
-  for (std::size_t i = 0; i < N; ++i) {
-    y[i] = scenario.q0[i];
-    y[N + i] = scenario.qd0[i];
-  }
+  auto y = reference::start_state<typename ChainEquations<Quad, N>::State>(*scenario.planar);
   double worst = 0;  // error over bound
   double error_at_end = 0;
   constexpr int substeps = 10;  // 2 ms; 20 give the same to 1e-18

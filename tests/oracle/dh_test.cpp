@@ -15,6 +15,7 @@
 #include "reference/ode45_simulation.hpp"
 #include "tests/check.hpp"
 #include "tests/oracle/lagrangian_chain.hpp"
+#include "tests/recorded.hpp"
 #include "tests/scenarios.hpp"
 
 namespace {
@@ -118,36 +119,23 @@ void check_coefficients(const RandomChain<N>& random) {
   }
 }
 
-struct Run {
-  Outcome outcome;
-  Rows rows;
-};
-
 template <class Equations>
-Run moved(Equations equations, const typename Equations::State& start, double duration, double rtol, double atol) {
+test::Recorded moved(Equations equations, const typename Equations::State& start, double duration, double rtol,
+                     double atol) {
   const SampleGrid grid{0.01, 1, std::lround(duration / 0.01) + 1};
-  Run run{{}, Rows(start.size(), static_cast<std::size_t>(grid.rows))};
-  run.outcome = Ode45<Equations>(std::move(equations), grid, start, rtol, atol).run(&run.rows);
+  Ode45<Equations> simulation(std::move(equations), grid, start, rtol, atol);
+  test::Recorded run = test::recorded(simulation, grid);
   CHECK(!run.outcome.diverged);
-  CHECK_EQUAL(run.rows.count(), static_cast<std::size_t>(grid.rows));
+  CHECK_EQUAL(run.motion.size(), static_cast<std::size_t>(grid.rows));
   return run;
-}
-
-/// Of the angles, rad.
-double largest_difference(const Rows& a, const Rows& b) {
-  double most = 0;
-  for (std::size_t k = 0; k < std::min(a.count(), b.count()); ++k) {
-    for (std::size_t i = 0; i < a.width() / 2; ++i) most = std::max(most, std::fabs(a.row(k)[i] - b.row(k)[i]));
-  }
-  return most;
 }
 
 template <std::size_t N>
 void check_motion(const RandomChain<N>& random) {
   for (const auto& [rtol, atol] : {std::pair(ode45_rtol, ode45_atol), std::pair(1e-9, 1e-12)}) {
-    const Run recursive = moved(DhEquations<N>(random.recursive()), random.start_, 2.0, rtol, atol);
-    const Run lagrangian = moved(random.lagrangian(), random.start_, 2.0, rtol, atol);
-    const double difference = largest_difference(recursive.rows, lagrangian.rows);
+    const auto recursive = moved(DhEquations<N>(random.recursive()), random.start_, 2.0, rtol, atol);
+    const auto lagrangian = moved(random.lagrangian(), random.start_, 2.0, rtol, atol);
+    const double difference = test::largest_difference(recursive.motion, lagrangian.motion, recursive.motion.size());
     std::printf("%zu links, %s, rtol %g: %ld steps, %.2g rad\n", N,
                 random.convention_ == DhConvention::standard ? "standard" : "modified", rtol, recursive.outcome.steps,
                 difference);
@@ -171,9 +159,11 @@ void check_random_chains() {
 void check_pendulums() {
   for (const char* name : {"single_pendulum", "double_pendulum", "wall_pendulum"}) {
     Scenario scenario = test::report_scenario(name, 1.0, 1e-3);
-    scenario.links[0] = {1.3, 0.8, 0.12, 0.05};
-    if (scenario.links.size() == 2) scenario.links[1] = {0.7, 1.4, 0.07, 0.2};
-    const std::size_t n = scenario.links.size();
+    const std::size_t n = scenario.planar->links.size();
+    change_planar(scenario, [n](PlanarView& view) {
+      view.links[0] = {1.3, 0.8, 0.12, 0.05};
+      if (n == 2) view.links[1] = {0.7, 1.4, 0.07, 0.2};
+    });
     std::vector<double> q{0.4, -1.9}, qd{2.1, -3.3}, acceleration(2);
     q.resize(n);
     qd.resize(n);
@@ -185,7 +175,7 @@ void check_pendulums() {
     });
     const std::vector<double> wanted = joint_accelerations(scenario, q, qd);
     for (const DhConvention convention : conventions) {
-      DhChain chain(convention, pendulum_links(scenario, convention), pendulum_gravity(scenario));
+      DhChain chain(convention, pendulum_links(*scenario.planar, convention), pendulum_gravity(scenario));
       std::vector<double> mass(n * n);
       chain.mass_matrix(q.data(), mass.data());
       chain.accelerations(q.data(), qd.data(), acceleration.data());
@@ -193,13 +183,6 @@ void check_pendulums() {
       for (std::size_t i = 0; i < n; ++i) CHECK_NEAR(acceleration[i], wanted[i], 1e-12 * (1 + std::fabs(wanted[i])));
     }
   }
-}
-
-Rows rows_of(MakeSimulation make, const Scenario& scenario, long& steps) {
-  const SampleGrid grid = sample_grid(scenario);
-  Rows rows(2 * scenario.links.size(), static_cast<std::size_t>(grid.rows));
-  steps = make(scenario, grid)->run(&rows).steps;
-  return rows;
 }
 
 // The two formulations differ by rounding of about 1e-16 a step, which the motion makes grow: at the report's
@@ -213,17 +196,12 @@ void check_double_pendulum() {
     Scenario scenario = test::report_scenario("double_pendulum", 10.0, 1e-2);
     scenario.rtol = at.rtol;
     scenario.atol = at.atol;
-    long lagrange_steps = 0, dh_steps = 0;
-    const Rows lagrange = rows_of(make_ode45, scenario, lagrange_steps);
-    const Rows dh = rows_of(make_dh_ode45, scenario, dh_steps);
-    CHECK_EQUAL(dh_steps, lagrange_steps);
-    double difference = 0;
-    for (std::size_t k = 0; k <= static_cast<std::size_t>(std::lround(at.duration / 0.01)); ++k) {
-      for (std::size_t i = 0; i < 2; ++i) {
-        difference = std::max(difference, std::fabs(dh.row(k)[i] - lagrange.row(k)[i]));
-      }
-    }
-    std::printf("double pendulum, rtol %g until %g s: %ld steps, %.2g rad\n", at.rtol, at.duration, dh_steps,
+    const auto lagrange = test::recorded(make_ode45, scenario, sample_grid(scenario));
+    const auto dh = test::recorded(make_dh_ode45, scenario, sample_grid(scenario));
+    CHECK_EQUAL(dh.outcome.steps, lagrange.outcome.steps);
+    const auto samples = static_cast<std::size_t>(std::lround(at.duration / 0.01)) + 1;
+    const double difference = test::largest_difference(dh.motion, lagrange.motion, samples);
+    std::printf("double pendulum, rtol %g until %g s: %ld steps, %.2g rad\n", at.rtol, at.duration, dh.outcome.steps,
                 difference);
     CHECK(difference <= 1e-9);
   }

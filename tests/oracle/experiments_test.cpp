@@ -265,16 +265,14 @@ void check_numbers(const Page& page) {
 // Which no band notices: exponents and ratios forgive another chain.
 void check_chain_of() {
   Scenario file = test::report_scenario("chain", 5, 1e-3);
-  file.q0 = {0.5, -0.25};
-  file.qd0 = {};
-  file.links.resize(1);
-  file.links[0].mass_kg = 3;
+  file.planar = make_planar(file.planar->frame, {{3, 1, 0.1, 0.1}}, {0.5, -0.25}, {});
   const Scenario chain = experiments::chain_of(file, 4, 1);
-  CHECK_EQUAL(chain.n.value(), 4);
-  CHECK_EQUAL(chain.links.size(), 4u);
-  CHECK_EQUAL(chain.links[3].mass_kg, 3.0);
-  CHECK(chain.q0 == std::vector<double>({0.5, -0.25, 0, 0}));
-  CHECK(chain.qd0 == std::vector<double>(4, 0.0));
+  const PlanarView& view = *chain.planar;
+  CHECK_EQUAL(chain.mechanism.bodies.size(), 4u);
+  CHECK_EQUAL(view.links.size(), 4u);
+  CHECK_EQUAL(view.links[3].mass_kg, 3.0);
+  CHECK(view.q0 == std::vector<double>({0.5, -0.25, 0, 0}));
+  CHECK(view.qd0 == std::vector<double>(4, 0.0));
   CHECK_EQUAL(chain.duration_s, 1.0);
   CHECK_EQUAL(chain.sample_s.value(), 0.02);
 }
@@ -283,7 +281,7 @@ void check_chain_of() {
 void check_left_out() {
   CHECK_EQUAL(experiments::left_out({"ode-step-double"}), "");
   CHECK_EQUAL(experiments::left_out({"none", "ode-step-double", "neither"}),
-              "none, neither (" + std::string(catalogue::why_missing) + ")");
+              "none, neither (" + std::string(catalogue::without_single_precision) + ")");
 }
 
 }  // namespace

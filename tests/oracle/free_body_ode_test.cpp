@@ -51,10 +51,10 @@ double deviation(const Scenario& scenario, const Change& change = {}) {
   settings.gravity = Vector3d(0, 0, -scenario.gravity - change.gravity);
   settings.gyroscopic = change.gyroscopic;
   OdeStep step(settings);
-  const Body& what = scenario.bodies[0];
+  const Body& what = scenario.mechanism.bodies[0];
   reference::maximal::Body body;
   body.mass = what.mass_kg;
-  const Vec3 moments = what.inertia_kgm2();
+  const Vec3 moments = what.uniform_moments_kgm2();
   body.inertia = Vector3d(moments[0], moments[1], moments[2]).cwiseProduct(change.moments).asDiagonal();
   step.add_body(body);
 
@@ -186,7 +186,7 @@ void the_key_takes_the_term_away() {
     catalogue::Evaluator evaluator(scenario);
     const auto run = evaluator.evaluate(catalogue::find_method(method));
     for (std::size_t k = 0; k < 3; ++k) {
-      CHECK_EQUAL(run.trace.bodies[0].spin[k].back(), scenario.bodies[0].spin_rad_s[k]);
+      CHECK_EQUAL(run.trace.bodies[0].spin[k].back(), scenario.mechanism.bodies[0].spin_rad_s[k]);
     }
     CHECK(evaluator.measure(run, 1)[quantity::max_error_turn].value() > 0.1);
   }

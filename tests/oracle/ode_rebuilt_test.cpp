@@ -24,6 +24,7 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using Body = reference::maximal::Body;  // of the step rebuilt, not of a scenario
+using Contact = reference::maximal::Contact;
 
 struct Part {
   double mass;
@@ -411,8 +412,8 @@ void check_contacts_against_collider() {
 
 // The methods, each on its own for a second. The motion amplifies the rounding of starts and steps; the bounds are
 // fifty times what was measured: 7e-13, and forces 1.6e-10.
-void check_methods(std::string_view problem, const char* change, const std::function<void(Scenario&)>& set) {
-  Scenario scenario = test::report_scenario(problem, 1.0, 1e-3);
+void check_methods(std::string_view name, const char* change, const std::function<void(Scenario&)>& set) {
+  Scenario scenario = test::report_scenario(name, 1.0, 1e-3);
   set(scenario);
   catalogue::Evaluator evaluator(scenario);
   const auto ode = evaluator.evaluate(catalogue::find_method("ode-step-double"));
@@ -438,7 +439,7 @@ void check_methods(std::string_view problem, const char* change, const std::func
     }
     CHECK_EQUAL(ours.trace.contacts[k], ode.trace.contacts[k]);
   }
-  std::printf("%s %s: methods part by %.2g in 1 s, forces %.2g\n", std::string(problem).c_str(), change, largest,
+  std::printf("%s %s: methods part by %.2g in 1 s, forces %.2g\n", std::string(name).c_str(), change, largest,
               largest_force);
   CHECK_BETWEEN(largest, 0, 4e-11);
   CHECK_BETWEEN(largest_force, 0, 8e-9);
@@ -455,18 +456,23 @@ void check_methods(std::string_view problem, const char* change, const std::func
 void check_all_methods() {
   const auto as_reported = [](Scenario&) {};
   const catalogue::Method& rebuilt = catalogue::find_method("maximal-ode-step");
-  for (const Problem& problem : test::pendulums()) {
-    if (rebuilt.claims(problem)) check_methods(problem.name, "as reported", as_reported);
+  const auto done = [&](const Problem& problem) {
+    return catalogue::does(rebuilt, test::report_scenario(problem.name, 1.0, 1e-3));
+  };
+  for (const Problem& problem : test::planar_problems()) {
+    if (done(problem)) check_methods(problem.name, "as reported", as_reported);
   }
   const auto uneven = [](Scenario& scenario) {
-    const Link links[] = {{1.7, 0.8, 0.25, 0.06}, {0.6, 1.3, 0.05, 0.4}, {1.1, 0.5, 0.1, 0.1, Shape::sphere}};
-    scenario.links.assign(links, links + scenario.links.size());
-    scenario.qd0.assign(scenario.links.size(), 1.5);
+    const Link links[] = {{1.7, 0.8, 0.25, 0.06}, {0.6, 1.3, 0.05, 0.4}, {1.1, 0.5, 0.1, 0.1, LinkShape::sphere}};
+    change_planar(scenario, [&](PlanarView& view) {
+      view.links.assign(links, links + view.links.size());
+      view.qd0.assign(view.links.size(), 1.5);
+    });
     scenario.ode.erp = 0.6;
     scenario.ode.cfm = 1e-7;
   };
-  for (const Problem& problem : test::pendulums()) {
-    if (rebuilt.claims(problem)) check_methods(problem.name, "uneven", uneven);
+  for (const Problem& problem : test::planar_problems()) {
+    if (done(problem)) check_methods(problem.name, "uneven", uneven);
   }
   check_methods("double_pendulum", "half-step start", [](Scenario& s) { s.ode.start = Start::half_step; });
   check_methods("wall_pendulum", "weak bounce, limits", [](Scenario& s) {
@@ -494,14 +500,14 @@ void check_quickstep_settings() {
   dWorldSetQuickStepNumIterations(world_of_links, 7);
   dWorldSetQuickStepW(world_of_links, 1.1);
   dWorldSetMaxAngularSpeed(world_of_links, dInfinity);
-  const PlanarFrame& frame = scenario.problem->frame;
+  const PlanarFrame& frame = scenario.planar->frame;
   const Vec3 turn = frame.axis();
   Vec3 near = frame.hinge_m;
   double angle = 0;
   std::vector<dBodyID> links;
   std::vector<dJointFeedback> feedback(2);
   for (std::size_t i = 0; i < 2; ++i) {
-    angle += scenario.q0[i];
+    angle += scenario.planar->q0[i];
     const dBodyID body = dBodyCreate(world_of_links);
     dBodySetFiniteRotationMode(body, 0);
     dMass mass;

@@ -6,51 +6,45 @@
 #include <string>
 #include <vector>
 
-#include "model/problems.hpp"
+#include "model/generate.hpp"
 #include "reference/analytic.hpp"
 #include "reference/fixed_step.hpp"
 #include "reference/ode45.hpp"
 #include "tests/check.hpp"
+#include "tests/recorded.hpp"
 
 namespace {
 
 using namespace odeval;
 using std::numbers::pi;
 
-Scenario posed(std::size_t problem, std::vector<double> q0) {
+Scenario posed(const char* name, const PlanarFrame& frame, std::vector<double> q0, std::vector<double> qd0 = {},
+               std::optional<Wall> wall = {}) {
   Scenario scenario;
-  scenario.problem = &problems[problem];
-  scenario.name = scenario.problem->name;
-  scenario.links.assign(q0.size(), Link{1, 1, 0.1, 0.1});
-  scenario.qd0.assign(q0.size(), 0.0);
-  scenario.q0 = std::move(q0);
-  if (scenario.problem->wall) scenario.wall = Wall{0.9, 1};
+  scenario.name = name;
+  qd0.resize(q0.size());
+  scenario.planar = make_planar(frame, {q0.size(), Link{1, 1, 0.1, 0.1}}, q0, qd0, wall);
   return scenario;
 }
+Scenario wall_pendulum(double restitution) {
+  return posed("wall_pendulum", lying_frame, {0}, {}, Wall{0.9, restitution});
+}
 
-const Scenario single_pendulum = posed(0, {0});
-const Scenario double_pendulum = posed(1, {pi / 4, -pi / 4});
-const Scenario wall_pendulum = posed(2, {0});
+const Scenario single_pendulum = posed("single_pendulum", hanging_frame, {0});
+const Scenario double_pendulum = posed("double_pendulum", hanging_frame, {pi / 4, -pi / 4});
 
 constexpr double row_spacing = 0.1;  // s
 
-Rows rows_of(MakeSimulation make, const Scenario& scenario, double duration, double step) {
+Motion motion_of(MakeSimulation make, const Scenario& scenario, double duration, double step) {
   const SampleGrid grid{step, std::lround(row_spacing / step), std::lround(duration / row_spacing) + 1};
-  Rows rows(2 * scenario.links.size(), static_cast<std::size_t>(grid.rows));
-  const Outcome outcome = make(scenario, grid)->run(&rows);
-  CHECK(!outcome.diverged);
-  CHECK_EQUAL(rows.count(), static_cast<std::size_t>(grid.rows));
-  return rows;
+  test::Recorded run = test::recorded(make, scenario, grid);
+  CHECK(!run.outcome.diverged);
+  CHECK_EQUAL(run.motion.size(), static_cast<std::size_t>(grid.rows));
+  return std::move(run.motion);
 }
 
-double largest_error(const Rows& rows, const Rows& truth) {
-  double largest = 0;
-  for (std::size_t k = 0; k < truth.count(); ++k) {
-    for (std::size_t i = 0; i < truth.width() / 2; ++i) {
-      largest = std::max(largest, std::fabs(rows.row(k)[i] - truth.row(k)[i]));
-    }
-  }
-  return largest;
+double largest_error(const Motion& motion, const Motion& truth) {
+  return test::largest_difference(motion, truth, truth.size());
 }
 
 // Binary logarithm of the error's fall for half the step, two times over.
@@ -59,31 +53,31 @@ struct Orders {
   double second;
 };
 
-Orders observed_orders(const char* name, MakeSimulation make, const Scenario& scenario, const Rows& truth,
+Orders observed_orders(const char* name, MakeSimulation make, const Scenario& scenario, const Motion& truth,
                        double step) {
-  const double duration = row_spacing * static_cast<double>(truth.count() - 1);
-  const double coarse = largest_error(rows_of(make, scenario, duration, step), truth);
-  const double middle = largest_error(rows_of(make, scenario, duration, step / 2), truth);
-  const double fine = largest_error(rows_of(make, scenario, duration, step / 4), truth);
+  const double duration = row_spacing * static_cast<double>(truth.size() - 1);
+  const double coarse = largest_error(motion_of(make, scenario, duration, step), truth);
+  const double middle = largest_error(motion_of(make, scenario, duration, step / 2), truth);
+  const double fine = largest_error(motion_of(make, scenario, duration, step / 4), truth);
   const Orders orders{std::log2(coarse / middle), std::log2(middle / fine)};
   std::printf("%s %s, step %g s: %.3g %.3g %.3g rad, order %.3f %.3f\n", scenario.name.c_str(), name, step, coarse,
               middle, fine, orders.first, orders.second);
   return orders;
 }
 
-Rows double_pendulum_truth(double duration) {
+Motion double_pendulum_truth(double duration) {
   Scenario scenario = double_pendulum;
   scenario.rtol = 1e-13;
   scenario.atol = 1e-14;
-  return rows_of(reference::make_ode45, scenario, duration, row_spacing);
+  return motion_of(reference::make_ode45, scenario, duration, row_spacing);
 }
 
 void fixed_steps_have_their_order() {
   for (const Scenario& scenario : {single_pendulum, double_pendulum}) {
-    const bool one = scenario.links.size() == 1;
+    const bool one = scenario.planar->links.size() == 1;
     const double duration = 2;
-    const Rows truth =
-        one ? rows_of(reference::make_analytic, scenario, duration, row_spacing) : double_pendulum_truth(duration);
+    const Motion truth =
+        one ? motion_of(reference::make_analytic, scenario, duration, row_spacing) : double_pendulum_truth(duration);
     const Orders euler = observed_orders("euler", reference::make_euler, scenario, truth, 5e-5);
     // Measured 0.998 to 1.003 for the two Euler methods. The next term of the error is what is left; a wrong g,
     // inertia or start leaves an error that does not fall at all.
@@ -100,9 +94,8 @@ void fixed_steps_have_their_order() {
 
 void a_located_touch_keeps_the_order() {
   for (const double restitution : {1.0, 0.5}) {
-    Scenario scenario = wall_pendulum;
-    scenario.wall->restitution = restitution;
-    const Rows truth = rows_of(reference::make_analytic, scenario, 3, row_spacing);
+    const Scenario scenario = wall_pendulum(restitution);
+    const Motion truth = motion_of(reference::make_analytic, scenario, 3, row_spacing);
     const Orders euler = observed_orders("euler", reference::make_euler, scenario, truth, 5e-5);
     CHECK_BETWEEN(euler.second, 0.98, 1.02);  // measured 1.000
     const Orders symplectic = observed_orders("symplectic", reference::make_symplectic_euler, scenario, truth, 1e-3);
@@ -114,15 +107,16 @@ void a_located_touch_keeps_the_order() {
 }
 
 void ode45_follows_its_tolerance() {
-  for (const Scenario& plain : {single_pendulum, double_pendulum, wall_pendulum}) {
+  for (const Scenario& plain : {single_pendulum, double_pendulum, wall_pendulum(1)}) {
     Scenario scenario = plain;
     const double duration = 2;
-    const Rows truth = scenario.links.size() == 1 ? rows_of(reference::make_analytic, scenario, duration, row_spacing)
-                                                  : double_pendulum_truth(duration);
+    const Motion truth = scenario.planar->links.size() == 1
+                             ? motion_of(reference::make_analytic, scenario, duration, row_spacing)
+                             : double_pendulum_truth(duration);
     for (const double rtol : {1e-3, 1e-5, 1e-7, 1e-9, 1e-11}) {
       scenario.rtol = rtol;
       scenario.atol = rtol * 1e-3;
-      const double error = largest_error(rows_of(reference::make_ode45, scenario, duration, row_spacing), truth);
+      const double error = largest_error(motion_of(reference::make_ode45, scenario, duration, row_spacing), truth);
       std::printf("%s ode45 rtol %g: %.3g rad, %.2g rtol\n", scenario.name.c_str(), rtol, error, error / rtol);
       // Local extrapolation: the error of a step is of the same order as rtol times what the step covers, so the
       // error is a multiple of rtol, here 1.1 to 2.6 times; the double pendulum at 1e-3 is not there yet (24).
@@ -137,10 +131,10 @@ void ode45_steps_as_matlab_does() {
     Scenario scenario = double_pendulum;
     scenario.rtol = rtol;
     scenario.atol = atol;
-    return reference::make_ode45(scenario, {1e-3, 10, 1001})->run(nullptr);
+    return reference::make_ode45(scenario, {1e-3, 10, 1001})->run({});
   };
   // The report counts 500 points over 10 s (Table 5.2); ode45 by default returns four points a step. Measured: 125.
-  const Outcome as_reported = reference::make_ode45(double_pendulum, {1e-3, 10, 1001})->run(nullptr);
+  const Outcome as_reported = reference::make_ode45(double_pendulum, {1e-3, 10, 1001})->run({});
   CHECK_BETWEEN(static_cast<double>(as_reported.steps), 120, 130);
   CHECK_EQUAL(run(reference::ode45_rtol, reference::ode45_atol).steps, as_reported.steps);
   // One evaluation at the start, six an accepted or rejected step; at the default 31 of 156 steps are rejected.
@@ -150,22 +144,20 @@ void ode45_steps_as_matlab_does() {
   CHECK_BETWEEN(static_cast<double>(run(1e-12, 1e-15).steps) / static_cast<double>(run(1e-7, 1e-10).steps), 9.5, 10.5);
 }
 
-// A state that leaves the numbers ends the run with the rows so far.
+// A state that leaves the numbers ends the run with the samples so far.
 void a_blow_up_is_told() {
-  Scenario scenario = double_pendulum;
-  scenario.qd0 = {0, 1e160};  // its square is not finite
+  const Scenario scenario =
+      posed("double_pendulum", hanging_frame, {pi / 4, -pi / 4}, {0, 1e160});  // whose square is not finite
   for (const MakeSimulation make : {reference::make_rk4, reference::make_euler, reference::make_symplectic_euler}) {
-    Rows rows(4, 11);
-    const Outcome outcome = make(scenario, {1e-3, 2, 11})->run(&rows);
+    const auto [outcome, motion] = test::recorded(make, scenario, {1e-3, 2, 11});
     CHECK(outcome.diverged);
     CHECK_EQUAL(outcome.steps, 1L);
-    CHECK_EQUAL(rows.count(), std::size_t{1});
+    CHECK_EQUAL(motion.size(), std::size_t{1});
     CHECK(outcome.reason.find("is not finite after step 1 (t = 0.001 s)") != std::string::npos);
   }
-  Rows rows(4, 11);
-  const Outcome outcome = reference::make_ode45(scenario, {1e-3, 2, 11})->run(&rows);
+  const auto [outcome, motion] = test::recorded(reference::make_ode45, scenario, {1e-3, 2, 11});
   CHECK(outcome.diverged && !outcome.reason.empty());
-  CHECK_EQUAL(rows.count(), std::size_t{1});
+  CHECK_EQUAL(motion.size(), std::size_t{1});
 }
 
 }  // namespace

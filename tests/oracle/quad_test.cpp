@@ -5,12 +5,13 @@
 #include <cstddef>
 #include <vector>
 
-#include "model/problems.hpp"
+#include "model/generate.hpp"
 #include "odeval/error.hpp"
 #include "reference/certified/motions.hpp"
 #include "reference/quad.hpp"
 #include "tests/check.hpp"
 #include "tests/oracle/certified.hpp"
+#include "tests/recorded.hpp"
 
 namespace {
 
@@ -55,15 +56,14 @@ void check_method() {
   Scenario scenario = certified_motions[1].scenario();
   constexpr SampleGrid second{0.01, 1, 101};
   const QuadRun run = solve_quad(scenario, second);
-  Rows rows(4, 101);
-  const Outcome outcome = make_quad(scenario, second)->run(&rows);
-  CHECK_EQUAL(rows.count(), std::size_t{101});
-  CHECK_EQUAL(rows.row(100)[1], static_cast<double>(run.rows[100][1]));
+  const auto [outcome, motion] = test::recorded(make_quad, scenario, second);
+  CHECK_EQUAL(motion.size(), std::size_t{101});
+  CHECK_EQUAL(motion[100].q[1], static_cast<double>(run.rows[100][1]));
   CHECK_EQUAL(outcome.self_difference.value_or(-1), run.largest_difference);
   CHECK_EQUAL(outcome.steps, run.steps);
 
-  scenario.problem = &problems[2];
-  scenario.wall = Wall{0.9, 1};
+  const PlanarView& view = *scenario.planar;
+  scenario.planar = make_planar(view.frame, view.links, view.q0, view.qd0, Wall{0.9, 1});
   CHECK_THROWS(make_quad(scenario, second), UserError, "lagrange-quad knows no walls");
   CHECK_THROWS(make_quad(scenario, second), UserError, "'analytic'");
 }
@@ -74,7 +74,7 @@ void check_rest() {
   scenario.gravity = 0;
   const QuadRun run = solve_quad(scenario, {0.01, 1, 11});
   CHECK_EQUAL(run.largest_difference, 0.0);
-  CHECK_EQUAL(static_cast<double>(run.rows[10][0]), scenario.q0[0]);
+  CHECK_EQUAL(static_cast<double>(run.rows[10][0]), scenario.planar->q0[0]);
 }
 
 }  // namespace

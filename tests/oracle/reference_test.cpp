@@ -1,6 +1,5 @@
 // The reference where no certified file exists: chains nobody listed, against quad precision; impacts, against an
 // energy integral; every way a link and a wall can come to terms.
-#include "model/problems.hpp"
 #include "reference/reference_solution.hpp"
 
 #include <algorithm>
@@ -12,12 +11,14 @@
 #include <string>
 #include <vector>
 
+#include "model/generate.hpp"
 #include "odeval/error.hpp"
 #include "reference/analytic.hpp"
 #include "reference/cvode.hpp"
 #include "reference/quad.hpp"
 #include "reference/wall_contact.hpp"
 #include "tests/check.hpp"
+#include "tests/recorded.hpp"
 
 namespace {
 
@@ -66,14 +67,15 @@ Scenario random_chain(std::mt19937& random) {
   Scenario scenario;
   scenario.name = "random";
   const std::size_t links = random() % 4 == 0 ? 1 : 2;
-  scenario.problem = &problems[links - 1];
   scenario.duration_s = 5;
   scenario.gravity = between(1, 15);
+  PlanarView view{.frame = hanging_frame, .links = {}, .q0 = {}, .qd0 = {}, .wall = {}};
   for (std::size_t i = 0; i < links; ++i) {
-    scenario.links.push_back({between(0.3, 3), between(0.4, 2), between(0.02, 0.4), 0.1});
-    scenario.q0.push_back(between(-3, 3));
-    scenario.qd0.push_back(between(-3, 3));
+    view.links.push_back({between(0.3, 3), between(0.4, 2), between(0.02, 0.4), 0.1});
+    view.q0.push_back(between(-3, 3));
+    view.qd0.push_back(between(-3, 3));
   }
+  scenario.planar = std::make_shared<const PlanarView>(std::move(view));
   return scenario;
 }
 
@@ -103,12 +105,9 @@ void check_chains() {
 Scenario pendulum(double gravity, double length, double q0, double qd0) {
   Scenario scenario;
   scenario.name = "pendulum";
-  scenario.problem = &problems[0];
   scenario.duration_s = 10;
   scenario.gravity = gravity;
-  scenario.links = {{1, length, 0.1, 0.1}};
-  scenario.q0 = {q0};
-  scenario.qd0 = {qd0};
+  scenario.planar = make_planar(hanging_frame, {{1, length, 0.1, 0.1}}, {q0}, {qd0});
   return scenario;
 }
 
@@ -140,23 +139,19 @@ void check_terms() {
 void check_forces() {
   Scenario scenario;
   scenario.name = "forces";
-  scenario.problem = &problems[1];
   scenario.duration_s = 2;
-  scenario.links = {{1.0, 1.0, 0.1, 0.1}, {0.5, 0.8, 0.2, 0.1}};
-  scenario.q0 = {0.7, -0.8};
-  scenario.qd0 = {0.3, 1.0};
+  const std::vector<Link> links{{1.0, 1.0, 0.1, 0.1}, {0.5, 0.8, 0.2, 0.1}};
+  const PlanarFrame& frame = hanging_frame;
+  scenario.planar = make_planar(frame, links, {0.7, -0.8}, {0.3, 1.0});
   const Reference reference = solve_reference(scenario, {0.0002, 1, 10001});
-  const PlanarFrame& frame = scenario.problem->frame;
   const auto momentum = [&](std::size_t k, std::size_t first, const Vec3& along) {
     double angle = 0, rate = 0, near = 0, sum = 0;
     for (std::size_t i = 0; i < 2; ++i) {
       angle += reference.trace.q[i][k];
       rate += reference.trace.qd[i][k];
-      const Vec3 normal = cross(frame.axis(), {frame.horizontal[0] * std::cos(angle) + frame.up[0] * std::sin(angle),
-                                               frame.horizontal[1] * std::cos(angle) + frame.up[1] * std::sin(angle),
-                                               frame.horizontal[2] * std::cos(angle) + frame.up[2] * std::sin(angle)});
-      const double speed = scenario.links[i].length_m * rate * dot(normal, along);
-      if (i >= first) sum += scenario.links[i].mass_kg * (near + speed / 2);
+      const Vec3 normal = cross(frame.axis(), std::cos(angle) * frame.horizontal + std::sin(angle) * frame.up);
+      const double speed = links[i].length_m * rate * dot(normal, along);
+      if (i >= first) sum += links[i].mass_kg * (near + speed / 2);
       near += speed;
     }
     return sum;
@@ -165,14 +160,14 @@ void check_forces() {
   for (std::size_t k = 1; k + 1 < reference.trace.rows(); ++k) {
     for (std::size_t i = 0; i < 2; ++i) {
       double weight = 0;
-      for (std::size_t j = i; j < 2; ++j) weight += scenario.links[j].mass_kg * scenario.gravity;
+      for (std::size_t j = i; j < 2; ++j) weight += links[j].mass_kg * scenario.gravity;
       for (const auto& [along, held] : {std::pair{frame.horizontal, 0.0}, std::pair{frame.up, weight}}) {
         const double wanted = (momentum(k + 1, i, along) - momentum(k - 1, i, along)) / 0.0004 + held;
         double force = 0;
         for (std::size_t axis = 0; axis < 3; ++axis) force += along[axis] * reference.joint_force[i][axis][k];
         largest = std::max(largest, std::fabs(force - wanted));
       }
-      CHECK_NEAR(reference.joint_force[i][0][k], 0.0, 1e-12);  // nothing across the plane (x in this problem)
+      CHECK_NEAR(reference.joint_force[i][0][k], 0.0, 1e-12);  // nothing across the plane, along x
     }
   }
   CHECK_BETWEEN(largest, 0.0, 5e-4);
@@ -183,12 +178,8 @@ void check_forces() {
 Scenario wall_pendulum(double face, double restitution, double q0 = 0, double qd0 = 0) {
   Scenario scenario;
   scenario.name = "wall_pendulum";
-  scenario.problem = &problems[2];
   scenario.duration_s = 5;
-  scenario.links = {{1, 1, 0.1, 0.1}};
-  scenario.wall = Wall{face, restitution};
-  scenario.q0 = {q0};
-  scenario.qd0 = {qd0};
+  scenario.planar = make_planar(lying_frame, {{1, 1, 0.1, 0.1}}, {q0}, {qd0}, Wall{face, restitution});
   return scenario;
 }
 
@@ -372,7 +363,7 @@ void check_ends() {
           CHECK(all_finite(reference.trace.q[0]) && all_finite(reference.trace.qd[0]));
           CHECK(all_finite(reference.uncertainty_q));
           CHECK_EQUAL(reference.impacts.size(), reference.impact_uncertainty_s.size());
-          const WallContact wall(scenario);
+          const WallContact wall(*scenario.planar);
           double nearest = 1;
           for (const double q : reference.trace.q[0]) nearest = std::min(nearest, wall.nearest_distance(q));
           CHECK_BETWEEN(nearest, -1e-12, 2.0);  // a graze may go v^2 / 2a in: 1e-13 rad at 1e-6 rad/s
@@ -390,15 +381,14 @@ void check_ends() {
 void check_method() {
   const Scenario scenario = wall_pendulum(0.9, 0.5);
   const Reference reference = solve_reference(scenario, five_seconds);
-  Rows rows(2, 5001);
-  const Outcome outcome = make_cvode(scenario, five_seconds)->run(&rows);
+  const auto [outcome, motion] = test::recorded(make_cvode, scenario, five_seconds);
   CHECK_EQUAL(outcome.impacts.size(), reference.impacts.size());
   CHECK_EQUAL(outcome.impacts.at(3).t, reference.impacts.at(3).t);
-  CHECK_EQUAL(rows.row(5000)[0], reference.trace.q[0][5000]);
+  CHECK_EQUAL(motion[5000].q[0], reference.trace.q[0][5000]);
 
   // A step of CVODE goes beyond the end of the grid; an impact there is not part of the run.
   const SampleGrid short_run{0.001, 1, 481};  // to 0.48 s, 13 ms before the first impact
-  CHECK_EQUAL(make_cvode(scenario, short_run)->run(nullptr).impacts.size(), std::size_t{0});
+  CHECK_EQUAL(make_cvode(scenario, short_run)->run({}).impacts.size(), std::size_t{0});
   CHECK_EQUAL(solve_reference(scenario, short_run).impacts.size(), std::size_t{0});
 }
 
@@ -407,9 +397,9 @@ void check_errors() {
   Scenario impossible = wall_pendulum(0.9, 1);
   impossible.rtol = 1e-18;
   impossible.atol = 1e-30;
-  CHECK_THROWS(make_cvode(impossible, five_seconds)->run(nullptr), MachineError,
+  CHECK_THROWS(make_cvode(impossible, five_seconds)->run({}), MachineError,
                "CVODE for 'wall_pendulum' stopped at t = ");
-  CHECK_THROWS(make_cvode(impossible, five_seconds)->run(nullptr), MachineError,
+  CHECK_THROWS(make_cvode(impossible, five_seconds)->run({}), MachineError,
                " of 5 s: CV_TOO_MUCH_ACC (-2) at rtol 1e-18; try rtol 1e-17");
   // The reference's tolerances are not the user's to change: no advice.
   std::string said;

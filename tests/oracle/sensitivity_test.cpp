@@ -15,6 +15,7 @@
 #include "reference/dh_chain.hpp"
 #include "reference/error_spread.hpp"
 #include "tests/check.hpp"
+#include "tests/recorded.hpp"
 #include "tests/scenarios.hpp"
 
 namespace {
@@ -34,16 +35,13 @@ Sensitivity sensitivity_of(const Scenario& scenario) {
   return solve_sensitivity(scenario, {spacing, 1, std::lround(scenario.duration_s / spacing) + 1});
 }
 
-Rows rows_of(MakeSimulation make, const Scenario& scenario, double step) {
-  const SampleGrid grid{step, 1, std::lround(scenario.duration_s / step) + 1};
-  Rows rows(2 * scenario.links.size(), static_cast<std::size_t>(grid.rows));
-  make(scenario, grid)->run(&rows);
-  return rows;
+Motion motion_of(MakeSimulation make, const Scenario& scenario, double step) {
+  return test::recorded(make, scenario, {step, 1, std::lround(scenario.duration_s / step) + 1}).motion;
 }
 
 Scenario double_pendulum() {
   Scenario scenario = test::report_scenario("double_pendulum", 10.0, 1e-3);
-  scenario.qd0 = {0.3, -0.5};
+  change_planar(scenario, [](PlanarView& view) { view.qd0 = {0.3, -0.5}; });
   return scenario;
 }
 
@@ -55,13 +53,14 @@ void check_short_steps() {
   const Sensitivity sensitivity = sensitivity_of(scenario);
   const FreeMotion<2> motion(scenario);
   const auto product_of_steps = [&](double h) {
-    const Rows rows = rows_of(make_cvode, scenario, h / 2);
+    const Motion moved = motion_of(make_cvode, scenario, h / 2);
     std::vector<Matrix<4>> at_rows{{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}}};
     Matrix<4> all = at_rows[0];
     const long steps_a_row = std::lround(spacing / h);
     for (long step = 0; step < std::lround(scenario.duration_s / h); ++step) {
       Vector<4> middle;
-      std::copy_n(rows.row(static_cast<std::size_t>(2 * step + 1)), 4, middle.begin());
+      const ConstSample half_way = moved[static_cast<std::size_t>(2 * step + 1)];
+      std::ranges::copy(half_way.qd, std::ranges::copy(half_way.q, middle.begin()).out);
       all = product(motion.transition(middle, h), all);
       if ((step + 1) % steps_a_row == 0) at_rows.push_back(all);
     }
@@ -94,16 +93,17 @@ void check_perturbed_runs() {
   for (std::size_t j = 0; j < 4; ++j) {
     const auto started = [&](double by) {
       Scenario other = scenario;
-      (j < 2 ? other.q0[j] : other.qd0[j - 2]) += by;
-      return rows_of(make_cvode, other, spacing);
+      change_planar(other, [&](PlanarView& view) { (j < 2 ? view.q0[j] : view.qd0[j - 2]) += by; });
+      return motion_of(make_cvode, other, spacing);
     };
-    const Rows ahead = started(d);
-    const Rows behind = started(-d);
+    const Motion ahead = started(d);
+    const Motion behind = started(-d);
     double worst = 0;
     for (std::size_t k = 0; k < sensitivity.t.size(); ++k) {
       for (std::size_t i = 0; i < 4; ++i) {
-        const double slope = (ahead.row(k)[i] - behind.row(k)[i]) / (2 * d);
-        worst = std::max(worst, std::fabs(sensitivity.transition[k][4 * i + j] - slope) / sensitivity.growth[k]);
+        const double slope = i < 2 ? ahead[k].q[i] - behind[k].q[i] : ahead[k].qd[i - 2] - behind[k].qd[i - 2];
+        worst =
+            std::max(worst, std::fabs(sensitivity.transition[k][4 * i + j] - slope / (2 * d)) / sensitivity.growth[k]);
       }
     }
     std::printf("column %zu against perturbed runs: %.2g of the growth\n", j, worst);
@@ -112,8 +112,9 @@ void check_perturbed_runs() {
 }
 
 double mass_determinant(const Scenario& scenario, const Sensitivity& sensitivity, std::size_t row) {
-  DhChain chain(DhConvention::standard, pendulum_links(scenario, DhConvention::standard), pendulum_gravity(scenario));
-  const auto n = scenario.links.size();
+  DhChain chain(DhConvention::standard, pendulum_links(*scenario.planar, DhConvention::standard),
+                pendulum_gravity(scenario));
+  const auto n = scenario.planar->links.size();
   std::vector<double> q(n), mass(n * n);
   for (std::size_t i = 0; i < n; ++i) q[i] = sensitivity.q[i][row];
   chain.mass_matrix(q.data(), mass.data());
@@ -125,7 +126,8 @@ double mass_determinant(const Scenario& scenario, const Sensitivity& sensitivity
 void check_volume() {
   for (const char* name : {"double_pendulum", "single_pendulum"}) {
     Scenario scenario = test::report_scenario(name, 6.0, 1e-3);
-    if (scenario.links.size() == 2) scenario.links[1] = {0.6, 1.3, 0.1, 0.1};
+    const bool two = scenario.planar->links.size() == 2;
+    if (two) change_planar(scenario, [](PlanarView& view) { view.links[1] = {0.6, 1.3, 0.1, 0.1}; });
     const Sensitivity sensitivity = sensitivity_of(scenario);
     const double at_start = mass_determinant(scenario, sensitivity, 0);
     double worst = 0;
@@ -139,7 +141,7 @@ void check_volume() {
     std::printf("%s: volume off by %.2g of the growth's square, ratio of volumes up to %.3g\n", name, worst, most);
     // The determinant is a difference of products as large as the growth's square. Measured 1.6e-13.
     CHECK(worst < 1e-12);
-    if (scenario.links.size() == 2) CHECK(most > 1.2);
+    if (two) CHECK(most > 1.2);
   }
 }
 
@@ -150,17 +152,17 @@ void check_closed_form() {
   constexpr double d = 1e-5;
   const auto started = [&](double by) {
     Scenario other = scenario;
-    other.q0[0] += by;
-    return rows_of(make_analytic, other, spacing);
+    change_planar(other, [by](PlanarView& view) { view.q0[0] += by; });
+    return motion_of(make_analytic, other, spacing);
   };
-  const Rows ahead = started(d);
-  const Rows behind = started(-d);
+  const Motion ahead = started(d);
+  const Motion behind = started(-d);
   double worst = 0;
   for (std::size_t k = 0; k < sensitivity.t.size(); ++k) {
-    for (std::size_t i = 0; i < 2; ++i) {
-      const double slope = (ahead.row(k)[i] - behind.row(k)[i]) / (2 * d);
-      worst = std::max(worst, std::fabs(sensitivity.transition[k][2 * i] - slope));
-    }
+    const double angle = (ahead[k].q[0] - behind[k].q[0]) / (2 * d);
+    const double rate = (ahead[k].qd[0] - behind[k].qd[0]) / (2 * d);
+    worst = std::max(
+        {worst, std::fabs(sensitivity.transition[k][0] - angle), std::fabs(sensitivity.transition[k][2] - rate)});
   }
   std::printf("closed form: %.2g, growth %.3g at %g s\n", worst, sensitivity.growth.back(), sensitivity.t.back());
   CHECK(worst < 3e-7);  // d^2 times the motion's third derivative, some 1e3 after 10 s: measured 6.3e-8

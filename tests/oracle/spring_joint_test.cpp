@@ -18,25 +18,30 @@ using reference::DampedOscillator;
 using reference::Deflection;
 using reference::StepLaw;
 
+const JointKind ball = BallJoint{};
+const JointKind hinge = HingeJoint{{}, {0.6, 0, 0.8}};
+
 /// A cube whose centre is the joint's place, at the origin so that a gap keeps all its digits.
-Scenario cube(Joint::Kind kind, double gravity) {
+Scenario cube(const JointKind& kind, double gravity) {
   Scenario scenario;
   scenario.name = "cube";
-  scenario.problem = test::problem("spring_joint");
   scenario.step_s = 1e-3;
   scenario.duration_s = 0.5;
   scenario.gravity = gravity;
-  scenario.joint = Joint{kind, {}, {0.6, 0, 0.8}, {0.05, -0.02, 0.03}};
-  scenario.bodies = {Body{Shape::box, 2.0, {0.1, 0.2, 0.3}, scenario.joint->displacement_m, {}, {0.1, 0, -0.2}, {}}};
+  const Vec3 opening{0.05, -0.02, 0.03};
+  scenario.mechanism.joints = {Joint{.kind = kind, .second = {}, .opening_m = opening}};
+  scenario.mechanism.bodies = {
+      Body{.shape = Box{{0.1, 0.2, 0.3}}, .mass_kg = 2, .position_m = opening, .velocity_m_s = {0.1, 0, -0.2}}};
   return scenario;
 }
 
 /// Two sticks end to end along z, pulled apart there: the report's Fig. 3.2.
 Scenario sticks(double gravity) {
-  Scenario scenario = cube(Joint::Kind::hinge, gravity);
-  scenario.joint = Joint{Joint::Kind::hinge, {0, 0, 0}, {0, 1, 0}, {0, 0, 0.02}};
-  scenario.bodies = {Body{Shape::box, 1.0, {0.1, 0.1, 1}, {0, 0, 0.52}, {}, {}, {}},
-                     Body{Shape::box, 3.0, {0.1, 0.1, 1}, {0, 0, -0.5}, {}, {}, {}}};
+  Scenario scenario = cube(hinge, gravity);
+  const Shape stick = Box{{0.1, 0.1, 1}};
+  scenario.mechanism.joints = {Joint{.kind = HingeJoint{{}, {0, 1, 0}}, .second = 1, .opening_m = {0, 0, 0.02}}};
+  scenario.mechanism.bodies = {Body{.shape = stick, .mass_kg = 1, .position_m = {0, 0, 0.52}},
+                               Body{.shape = stick, .mass_kg = 3, .position_m = {0, 0, -0.5}}};
   return scenario;
 }
 
@@ -47,7 +52,7 @@ catalogue::Evaluation run_of(const Scenario& scenario, const char* method = "ode
 /// The largest difference of the first body from the law, m over the largest displacement.
 double off_the_law(const Scenario& scenario, const catalogue::Evaluation& run) {
   const Softness softness = scenario.ode.softness(scenario.step_s);
-  const Body& body = scenario.bodies[0];
+  const Body& body = scenario.mechanism.bodies[0];
   double largest = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const StepLaw law{body.mass_kg, softness.erp, softness.cfm, axis == 2 ? scenario.gravity : 0, scenario.step_s};
@@ -61,7 +66,7 @@ double off_the_law(const Scenario& scenario, const catalogue::Evaluation& run) {
 
 // Both kinds of joint, gravity off and on, any softness: the law, to 1e-12.
 void discrete_law() {
-  for (const Joint::Kind kind : {Joint::Kind::ball, Joint::Kind::hinge}) {
+  for (const JointKind& kind : {ball, hinge}) {
     for (const double gravity : {0.0, 9.81}) {
       Scenario scenario = cube(kind, gravity);
       for (const Softness softness : {Softness{0.2, 0}, Softness{0.8, 0}, Softness{1, 0}, Softness{0.2, 1e-5},
@@ -172,9 +177,9 @@ void closed_form() {
 void stated_uncertainty() {
   test::Coverage of_springs("bodies on springs");
   for (const double kd : {0.0, 4.0, 40.0, 4000.0}) {
-    Scenario scenario = cube(Joint::Kind::ball, 9.81);
+    Scenario scenario = cube(ball, 9.81);
     scenario.ode.spring = Spring{150, kd};
-    const Body& body = scenario.bodies[0];
+    const Body& body = scenario.mechanism.bodies[0];
     std::array<LongDeflection, 3> exact;
     for (std::size_t k = 0; k < 3; ++k) exact[k] = {body.position_m[k], body.velocity_m_s[k]};
     const double h = 1.0 / 1024;
@@ -197,15 +202,17 @@ void stated_uncertainty() {
     const long double fallen = scenario.gravity * h * h * n * (n + 1) / 2;
     const long double closed = (1 - left) * 0.02;
     const double t = n * scenario.step_s;
-    test::add_position(of_rigid, scenario, t, 0, {0, 0, scenario.bodies[0].position_m[2] - 0.75L * closed - fallen});
-    test::add_position(of_rigid, scenario, t, 1, {0, 0, scenario.bodies[1].position_m[2] + 0.25L * closed - fallen});
+    test::add_position(of_rigid, scenario, t, 0,
+                       {0, 0, scenario.mechanism.bodies[0].position_m[2] - 0.75L * closed - fallen});
+    test::add_position(of_rigid, scenario, t, 1,
+                       {0, 0, scenario.mechanism.bodies[1].position_m[2] + 0.25L * closed - fallen});
   }
   of_rigid.check(0.22);
 
   test::Coverage of_turns("attitudes in a joint");
   for (double angle = 0.1; angle < 3; angle += 0.1) {
-    Scenario turned = cube(Joint::Kind::ball, 9.81);
-    turned.bodies[0].turn_rad = {angle / 3, -angle, angle / 2};
+    Scenario turned = cube(ball, 9.81);
+    turned.mechanism.bodies[0].attitude = Vec3{angle / 3, -angle, angle / 2};
     for (const Softness softness : {Softness{0.2, 0}, Softness{0.2, 1e-5}}) {
       turned.ode.erp = softness.erp;
       turned.ode.cfm = softness.cfm;
@@ -247,7 +254,7 @@ Errors errors_of(Scenario scenario, double step_s) {
 void oscillator_order() {
   for (const double damping : {0.1, 1.0, 3.0}) {
     for (const bool pair : {false, true}) {
-      Scenario scenario = pair ? sticks(9.81) : cube(Joint::Kind::ball, 9.81);
+      Scenario scenario = pair ? sticks(9.81) : cube(ball, 9.81);
       const double mass = pair ? 0.75 : 2;
       const double kp = 150;
       scenario.ode.spring = Spring{kp, damping * 2 * std::sqrt(mass * kp)};
@@ -271,15 +278,15 @@ void oscillator_order() {
 void error_predicted() {
   const double m = 2;
   const auto left = [&](double damping, double h) {
-    Scenario scenario = cube(Joint::Kind::ball, 0);
+    Scenario scenario = cube(ball, 0);
     scenario.step_s = h;
     const double kp = 150;
     const double kd = damping * 2 * std::sqrt(m * kp);
     scenario.ode.spring = Spring{kp, kd};
     const auto run = run_of(scenario);
     const DampedOscillator other{m, kp * (1 - h * kd / (2 * m)), kd + h * kp - h * kd * kd / (2 * m), 0};
-    const double x0 = scenario.bodies[0].position_m[0];
-    const double v0 = scenario.bodies[0].velocity_m_s[0];
+    const double x0 = scenario.mechanism.bodies[0].position_m[0];
+    const double v0 = scenario.mechanism.bodies[0].velocity_m_s[0];
     const double v_half = v0 + h / 2 * (-kp * x0 - kd * v0) / m;
     double largest = 0;
     for (std::size_t k = 0; k < run.trace.rows(); ++k) {
@@ -294,7 +301,7 @@ void error_predicted() {
 // At rest a spring gives way by m g / kp, whatever the step; then its force is the weight.
 void static_sag() {
   for (const double h : {1e-3, 1e-2}) {
-    Scenario scenario = cube(Joint::Kind::ball, 9.81);
+    Scenario scenario = cube(ball, 9.81);
     scenario.step_s = h;
     scenario.duration_s = 20;
     scenario.ode.spring = Spring{150, 10};
@@ -326,7 +333,7 @@ void two_bodies() {
 }
 
 void other_methods() {
-  Scenario scenario = cube(Joint::Kind::ball, 9.81);
+  Scenario scenario = cube(ball, 9.81);
   scenario.ode.spring = Spring{150, 4};
   scenario.ode.iterations = 60;  // 0.3^60 of an iteration's error is none
   CHECK_BETWEEN(off_the_law(scenario, run_of(scenario, "ode-quickstep-double")), 0, 1e-12);
@@ -343,20 +350,19 @@ void refusals() {
     CHECK_THROWS(catalogue::Evaluator(scenario).reference(), UserError, text);
   };
   Scenario off = sticks(9.81);
-  off.joint->displacement_m = {0.01, 0, 0};
-  off.bodies[0].position_m = {0.01, 0, 0.5};
+  off.mechanism.joints[0].opening_m = {0.01, 0, 0};
+  off.mechanism.bodies[0].position_m = {0.01, 0, 0.5};
   refused(off, "bodies.0.position must be the joint's anchor or lie along its displacement");
   Scenario spinning = sticks(0);
-  spinning.bodies[1].spin_rad_s = {0, 0, 1};
+  spinning.mechanism.bodies[1].spin_rad_s = {0, 0, 1};
   refused(spinning, "bodies.1.spin must be 0");
   Scenario thrown = sticks(0);
-  thrown.bodies[0].velocity_m_s = {1, 0, 0};
+  thrown.mechanism.bodies[0].velocity_m_s = {1, 0, 0};
   refused(thrown, "bodies.0.velocity must lie along");
-  Scenario tilted = cube(Joint::Kind::ball, 9.81);
-  tilted.joint->anchor_m = {1, 0, 0};
-  tilted.joint->displacement_m = {0.1, 0, 0};
-  tilted.bodies[0].velocity_m_s = {};
-  tilted.bodies[0].position_m = {0.1, 0, 0};
+  Scenario tilted = cube(ball, 9.81);
+  tilted.mechanism.joints[0] = Joint{.kind = BallJoint{{1, 0, 0}}, .second = {}, .opening_m = {0.1, 0, 0}};
+  tilted.mechanism.bodies[0].velocity_m_s = {};
+  tilted.mechanism.bodies[0].position_m = {0.1, 0, 0};
   refused(tilted, "bodies.0.position must be the joint's anchor, above or below it");
 }
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "model/problems.hpp"
+#include "model/generate.hpp"
 #include "odeval/error.hpp"
 #include "reference/analytic.hpp"
 #include "reference/equations.hpp"
@@ -16,6 +16,7 @@
 #include "reference/wall_bounce.hpp"
 #include "reference/wall_contact.hpp"
 #include "tests/check.hpp"
+#include "tests/recorded.hpp"
 
 namespace {
 
@@ -32,24 +33,16 @@ constexpr MakeSimulation every_method[] = {reference::make_analytic, reference::
 Scenario wall_pendulum(double face, double restitution, double q0 = 0, double qd0 = 0) {
   Scenario scenario;
   scenario.name = "wall_pendulum";
-  scenario.problem = &problems[2];
-  scenario.links = {Link{1, 1, 0.1, 0.1}};
-  scenario.wall = Wall{face, restitution};
-  scenario.q0 = {q0};
-  scenario.qd0 = {qd0};
+  scenario.planar = make_planar(lying_frame, {Link{1, 1, 0.1, 0.1}}, {q0}, {qd0}, Wall{face, restitution});
   return scenario;
 }
 
-struct Run {
-  Outcome outcome;
-  Rows rows{2, 501};
-};
+using test::Recorded;
 
-Run run(MakeSimulation make, const Scenario& scenario) {
-  Run result;
-  result.outcome = make(scenario, grid)->run(&result.rows);
+Recorded run(MakeSimulation make, const Scenario& scenario) {
+  Recorded result = test::recorded(make, scenario, grid);
   CHECK(!result.outcome.diverged);
-  CHECK_EQUAL(result.rows.count(), std::size_t{501});
+  CHECK_EQUAL(result.motion.size(), std::size_t{501});
   return result;
 }
 
@@ -59,9 +52,9 @@ double acceleration_at(const Scenario& scenario, double q) {
   return rate[1];
 }
 
-// Every impact and every row against the closed form.
+// Every impact and every sample against the closed form.
 void check_against_closed_form(MakeSimulation make, const Scenario& scenario, double within) {
-  const Run tested = run(make, scenario);
+  const Recorded tested = run(make, scenario);
   const ClosedFormPendulum truth(scenario, duration);
   const std::vector<Impact>& expected = truth.outcome().impacts;
   const std::vector<Impact>& impacts = tested.outcome.impacts;
@@ -70,11 +63,11 @@ void check_against_closed_form(MakeSimulation make, const Scenario& scenario, do
     CHECK_NEAR(impacts[k].t, expected[k].t, within);
     CHECK_NEAR(impacts[k].qd_before, expected[k].qd_before, 10 * within);  // the acceleration is up to 15 rad/s^2
     CHECK_EQUAL(impacts[k].q1, expected[k].q1);
-    CHECK_EQUAL(impacts[k].qd_after, -scenario.wall->restitution * impacts[k].qd_before);
+    CHECK_EQUAL(impacts[k].qd_after, -scenario.planar->wall->restitution * impacts[k].qd_before);
     CHECK_EQUAL(impacts[k].depth, 0.0);
   }
-  for (std::size_t k = 0; k < tested.rows.count(); ++k) {
-    CHECK_NEAR(tested.rows.row(k)[0], truth.at(grid.time(static_cast<long>(k)))[0], 10 * within);
+  for (std::size_t k = 0; k < tested.motion.size(); ++k) {
+    CHECK_NEAR(tested.motion[k].q[0], truth.at(grid.time(static_cast<long>(k)))[0], 10 * within);
   }
 }
 
@@ -98,7 +91,7 @@ void impacts_are_where_the_closed_form_has_them() {
 
 void no_loss_keeps_the_energy() {
   for (const double face : {0.9, 0.97}) {
-    const Run rk4 = run(reference::make_rk4, wall_pendulum(face, 1));
+    const Recorded rk4 = run(reference::make_rk4, wall_pendulum(face, 1));
     CHECK(rk4.outcome.impacts.size() >= 5);
     // Each impact has the speed of the first: what the method's own dissipation takes in 5 s, 5e-13 measured.
     for (const Impact& impact : rk4.outcome.impacts) {
@@ -128,24 +121,23 @@ void a_cascade_comes_to_rest() {
     Scenario tight = scenario;
     tight.rtol = 1e-12;
     tight.atol = 1e-14;
-    const Run tested = run(make, tight);
+    const Recorded tested = run(make, tight);
     // The last bounces are 1e-15 rad high, a few bits of q: 6e-10 s measured, of 4e-8 s that they last.
     CHECK_NEAR(tested.outcome.at_rest_from, exact.at_rest_from, 5e-9);
     CHECK_BETWEEN(static_cast<double>(tested.outcome.impacts.size()), 25, 27);
-    const double* last = tested.rows.row(500);
-    CHECK_EQUAL(last[0], angle);
-    CHECK_EQUAL(last[1], 0.0);
-    CHECK_EQUAL(tested.rows.row(99)[0], angle);  // 0.99 s, rest from 0.982 s
+    CHECK_EQUAL(tested.motion[500].q[0], angle);
+    CHECK_EQUAL(tested.motion[500].qd[0], 0.0);
+    CHECK_EQUAL(tested.motion[99].q[0], angle);  // 0.99 s, rest from 0.982 s
   }
   CHECK_EQUAL(truth.at(duration)[0], angle);
   CHECK_EQUAL(truth.at(duration)[1], 0.0);
 
   // What fixed_step.hpp says of the two Euler methods. Explicit: for ever within a few a h^2 of the wall, each bounce
   // as fast as a step makes it. Symplectic: at rest up to 0.1 s early, having lost the bounces shorter than a step.
-  const Run euler = run(reference::make_euler, scenario);
+  const Recorded euler = run(reference::make_euler, scenario);
   CHECK(euler.outcome.at_rest_from < 0);
-  CHECK_NEAR(euler.rows.row(500)[0], angle, 5 * weight * h * h);
-  const Run symplectic = run(reference::make_symplectic_euler, scenario);
+  CHECK_NEAR(euler.motion[500].q[0], angle, 5 * weight * h * h);
+  const Recorded symplectic = run(reference::make_symplectic_euler, scenario);
   CHECK_BETWEEN(symplectic.outcome.at_rest_from, exact.at_rest_from - 0.1, exact.at_rest_from);
 }
 
@@ -153,20 +145,20 @@ void an_impact_without_rebound() {
   for (const MakeSimulation make : every_method) {
     // Leaning on the wall: one impact, then rest.
     const Scenario leaning = wall_pendulum(0.97, 0);
-    const Run stopped = run(make, leaning);
+    const Recorded stopped = run(make, leaning);
     CHECK_EQUAL(stopped.outcome.impacts.size(), std::size_t{1});
     CHECK_EQUAL(stopped.outcome.at_rest_from, stopped.outcome.impacts.at(0).t);
-    CHECK_EQUAL(stopped.rows.row(500)[0], reference::free_arc(leaning).low);
+    CHECK_EQUAL(stopped.motion[500].q[0], reference::free_arc(leaning).low);
     // With the weight pulling it off: it swings away as if released there.
     const Scenario pulled = wall_pendulum(0.7, 0);
-    const Run released = run(make, pulled);
+    const Recorded released = run(make, pulled);
     const Impact& impact = released.outcome.impacts.at(0);
     CHECK_EQUAL(impact.qd_after, 0.0);
     CHECK(released.outcome.at_rest_from < 0);
     const reference::FreePendulum free(pulled, {impact.q1, 0});
     // Until it comes back 1.64 s later: 2e-3 is the error of Euler at 1 ms.
     for (const std::size_t k : {60u, 100u, 150u, 200u}) {
-      CHECK_NEAR(released.rows.row(k)[0], free.at(grid.time(static_cast<long>(k)) - impact.t)[0], 2e-2);
+      CHECK_NEAR(released.motion[k].q[0], free.at(grid.time(static_cast<long>(k)) - impact.t)[0], 2e-2);
     }
   }
 }
@@ -175,20 +167,20 @@ void starts_in_contact() {
   const double leaning = reference::free_arc(wall_pendulum(0.97, 0.5)).low;
   const double pulled = reference::free_arc(wall_pendulum(0.7, 0.5)).low;
   for (const MakeSimulation make : every_method) {
-    const Run rests = run(make, wall_pendulum(0.97, 0.5, leaning));
+    const Recorded rests = run(make, wall_pendulum(0.97, 0.5, leaning));
     CHECK_EQUAL(rests.outcome.at_rest_from, 0.0);
     CHECK(rests.outcome.impacts.empty());
-    CHECK_EQUAL(rests.rows.row(500)[0], leaning);
+    CHECK_EQUAL(rests.motion[500].q[0], leaning);
 
-    const Run hits = run(make, wall_pendulum(0.7, 0.5, pulled, -2));
+    const Recorded hits = run(make, wall_pendulum(0.7, 0.5, pulled, -2));
     CHECK_EQUAL(hits.outcome.impacts.at(0).t, 0.0);
     CHECK_EQUAL(hits.outcome.impacts.at(0).qd_before, -2.0);
     CHECK_EQUAL(hits.outcome.impacts.at(0).qd_after, 1.0);
 
-    const Run leaves = run(make, wall_pendulum(0.7, 0.5, pulled, 2));
+    const Recorded leaves = run(make, wall_pendulum(0.7, 0.5, pulled, 2));
     CHECK(leaves.outcome.impacts.empty() || leaves.outcome.impacts.at(0).t > 0.8);  // half a period and more
     const reference::FreePendulum free(wall_pendulum(0.7, 0.5), {pulled, 2});
-    CHECK_NEAR(leaves.rows.row(50)[0], free.at(0.5)[0], 2e-2);  // as above
+    CHECK_NEAR(leaves.motion[50].q[0], free.at(0.5)[0], 2e-2);  // as above
   }
   CHECK_THROWS(reference::make_rk4(wall_pendulum(0.9, 1, -2), grid), UserError, "starts inside the wall");
 }
@@ -200,10 +192,10 @@ void grazing_is_no_impact_to_speak_of() {
     const Scenario scenario = wall_pendulum(0.7, restitution, -pi - touch);
     const reference::FreePendulum free(scenario, {-pi - touch, 0});
     CHECK(run(reference::make_analytic, scenario).outcome.impacts.empty());
-    const Run rk4 = run(reference::make_rk4, scenario);
+    const Recorded rk4 = run(reference::make_rk4, scenario);
     // A touch that rounding or truncation, 1e-12 rad, makes has a speed of sqrt(2 a 1e-12) = 3e-6 rad/s.
     for (const Impact& impact : rk4.outcome.impacts) CHECK_NEAR(impact.qd_before, 0, 3e-5);
-    CHECK_NEAR(rk4.rows.row(500)[0], free.at(duration)[0], 1e-5);
+    CHECK_NEAR(rk4.motion[500].q[0], free.at(duration)[0], 1e-5);
     for (const MakeSimulation make : every_method) run(make, scenario);  // ends
   }
 }
@@ -212,7 +204,7 @@ void bounces_without_end_are_given_up() {
   // 1e-13 rad above the wall without loss: a bounce takes 3e-7 s, so the run would hold 2e7 of them.
   const Scenario scenario = wall_pendulum(0.97, 1, reference::free_arc(wall_pendulum(0.97, 1)).low + 1e-13);
   for (const MakeSimulation make : {reference::make_analytic, reference::make_rk4}) {
-    const Outcome outcome = make(scenario, grid)->run(nullptr);
+    const Outcome outcome = make(scenario, grid)->run({});
     CHECK(outcome.diverged);
     CHECK(outcome.reason.find("gave up after 1000000 impacts") != std::string::npos);
   }

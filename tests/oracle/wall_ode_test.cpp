@@ -13,7 +13,7 @@ using namespace odeval;
 void check_first_impact(std::string_view method, double face_m, double step_s) {
   if (!test::in_this_build(method)) return;
   Scenario scenario = test::report_scenario("wall_pendulum", 1.0, step_s);
-  scenario.wall->face_m = face_m;
+  change_planar(scenario, [&](PlanarView& view) { view.wall->face_m = face_m; });
   catalogue::Evaluator evaluator(scenario);
   const auto exact = evaluator.evaluate(catalogue::find_method("analytic"));
   const auto run = evaluator.evaluate(catalogue::find_method(method));
@@ -43,13 +43,15 @@ catalogue::Evaluation run_of(const Scenario& scenario, std::string_view method) 
 // further: the steps that bracket it, the overlap by the link's own geometry.
 void check_impacts_against_trace(double face_m, double q0, double length_m, std::size_t impacts) {
   Scenario scenario = test::report_scenario("wall_pendulum", 1.0, 1e-3);
-  scenario.wall->face_m = face_m;
-  scenario.q0 = {q0};
-  scenario.links[0].length_m = length_m;
+  change_planar(scenario, [&](PlanarView& view) {
+    view.wall->face_m = face_m;
+    view.q0 = {q0};
+    view.links[0].length_m = length_m;
+  });
   const catalogue::Evaluation run = run_of(scenario, "ode-step-double");
   CHECK_EQUAL(run.outcome.impacts.size(), impacts);
   CHECK_EQUAL(run_of(scenario, "analytic").outcome.impacts.size(), impacts);
-  const reference::WallContact wall(scenario);
+  const reference::WallContact wall(*scenario.planar);
   for (const Impact& impact : run.outcome.impacts) {
     const auto k = static_cast<std::size_t>(std::lround(impact.t / scenario.step_s));
     CHECK_NEAR(impact.q1, run.trace.q[0][k], 1e-12);
@@ -64,7 +66,7 @@ void check_impacts_against_trace(double face_m, double q0, double length_m, std:
 /// What the first impact keeps of the speed.
 double kept(double restitution, const std::function<void(OdeSettings&)>& set) {
   Scenario scenario = test::report_scenario("wall_pendulum", 1.0, 1e-3);
-  scenario.wall->restitution = restitution;
+  change_planar(scenario, [&](PlanarView& view) { view.wall->restitution = restitution; });
   set(scenario.ode);
   const Impact first = run_of(scenario, "ode-step-double").outcome.impacts.at(0);
   return -first.qd_after / first.qd_before;
@@ -84,7 +86,7 @@ void check_contact_settings() {
 // Without bounce the overlap is pushed out over several steps: one impact all the same.
 void check_long_touch_is_one_impact() {
   Scenario scenario = test::report_scenario("wall_pendulum", 0.51, 1e-3);
-  scenario.wall->restitution = 0;
+  change_planar(scenario, [](PlanarView& view) { view.wall->restitution = 0; });
   const catalogue::Evaluation run = run_of(scenario, "ode-step-double");
   CHECK(std::ranges::count_if(run.trace.contacts, [](double contacts) { return contacts > 0; }) > 1);
   CHECK_EQUAL(run.outcome.impacts.size(), std::size_t{1});

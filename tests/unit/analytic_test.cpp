@@ -1,6 +1,5 @@
 // The closed form of one link: it solves the equation, keeps the energy, and agrees with 60 digits.
 #include "reference/analytic.hpp"
-#include "model/problems.hpp"
 
 #include <boost/math/quadrature/tanh_sinh.hpp>
 #include <boost/math/special_functions/ellint_1.hpp>
@@ -8,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "model/generate.hpp"
 #include "odeval/error.hpp"
 #include "reference/wall_bounce.hpp"
 #include "reference/wall_contact.hpp"
@@ -24,19 +24,15 @@ using std::numbers::pi;
 Scenario pendulum(double gravity = 9.81) {
   Scenario scenario;
   scenario.name = "single_pendulum";
-  scenario.problem = &problems[0];
   scenario.gravity = gravity;
-  scenario.q0 = {0};
-  scenario.qd0 = {0};
-  scenario.links = {Link{1, 1, 0.1, 0.1}};
+  scenario.planar = make_planar(hanging_frame, {Link{1, 1, 0.1, 0.1}}, {0}, {0});
   return scenario;
 }
 
-Scenario wall_pendulum(double face, double restitution = 1) {
+Scenario wall_pendulum(double face, double q0 = 0, double qd0 = 0) {
   Scenario scenario = pendulum();
   scenario.name = "wall_pendulum";
-  scenario.problem = &problems[2];
-  scenario.wall = Wall{face, restitution};
+  scenario.planar = make_planar(lying_frame, {Link{1, 1, 0.1, 0.1}}, {q0}, {qd0}, Wall{face, 1});
   return scenario;
 }
 
@@ -181,13 +177,12 @@ void touches_the_wall_where_the_corner_is() {
   // inside it just beyond. Distances of up to 1 m have 4e-16 of rounding.
   for (const double face : {-0.02, 0.0, 0.3, 0.949, 0.951, 0.97, 0.9999, 1.3, 1.8}) {
     for (const double q0 : {0.0, 2 * pi, -6 * pi}) {
-      Scenario scenario = wall_pendulum(face);
-      scenario.q0 = {q0};
-      if (reference::WallContact(scenario).nearest_distance(q0) < 0) {
+      const Scenario scenario = wall_pendulum(face, q0);
+      if (reference::WallContact(*scenario.planar).nearest_distance(q0) < 0) {
         CHECK_THROWS(reference::free_arc(scenario), UserError, "inside the wall");
         continue;
       }
-      const reference::WallContact contact(scenario);
+      const reference::WallContact contact(*scenario.planar);
       const reference::FreeArc free = reference::free_arc(scenario);
       if (std::isinf(free.low)) {
         CHECK(face < -0.001);
@@ -239,8 +234,7 @@ void first_impact_is_a_quadrature() {
 
 void turns_into_the_wall() {
   // Swung upwards fast enough to go over the top: it comes onto the wall from above, at the arc's high end.
-  Scenario scenario = wall_pendulum(0.7);
-  scenario.qd0 = {9};
+  Scenario scenario = wall_pendulum(0.7, 0, 9);
   const ClosedFormPendulum over(scenario, 1);
   const Impact& impact = over.outcome().impacts.at(0);
   CHECK_NEAR(impact.q1, -touch_angle(0.3), 2e-15);
@@ -257,13 +251,11 @@ void turns_into_the_wall() {
 
 void says_what_it_cannot() {
   Scenario scenario = pendulum();
-  scenario.problem = &problems[1];
-  scenario.links.push_back(scenario.links[0]);
-  scenario.q0 = scenario.qd0 = {0, 0};
-  CHECK(!reference::has_closed_form(scenario));
-  CHECK(reference::has_closed_form(pendulum()));
+  CHECK(reference::has_closed_form(*scenario.planar));
+  scenario.planar = make_planar(hanging_frame, {2, scenario.planar->links[0]}, {0, 0}, {0, 0});
+  CHECK(!reference::has_closed_form(*scenario.planar));
   CHECK_THROWS(reference::make_analytic(scenario, {1e-3, 1, 11}), UserError,
-               "method 'analytic' has no closed form for problem 'double_pendulum'; it does one link");
+               "method 'analytic' has no closed form for 2 links; it does one link");
 }
 
 }  // namespace

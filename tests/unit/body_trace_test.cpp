@@ -1,7 +1,6 @@
-// Bodies in space, from recorded rows to energies, momentum and errors.
+// Bodies in space, from a recorded motion to energies, momentum and errors.
 #include "measure/body_trace.hpp"
 
-#include <cstring>
 #include <numbers>
 
 #include "measure/metrics.hpp"
@@ -18,31 +17,23 @@ constexpr double rounding = 1e-14;  // of a few operations on numbers of order 1
 
 Scenario one_box() {
   Scenario scenario;
-  scenario.problem = test::problem("free_box");
   scenario.step_s = 0.5;
   scenario.duration_s = 0.5;
   scenario.gravity = 10;
-  scenario.bodies = {Body{Shape::box, 2.0, {1, 2, 3}, {0, 0, 4}, {}, {3, 0, 0}, {}}};
+  scenario.mechanism.bodies = {
+      Body{.shape = Box{{1, 2, 3}}, .mass_kg = 2, .position_m = {0, 0, 4}, .velocity_m_s = {3, 0, 0}}};
   return scenario;
 }
 
 BodyState state(const Vec3& turn, const Vec3& spin) {
-  BodyState body{};
-  body.position[2] = 4;
-  body.velocity[0] = 3;
-  for (std::size_t k = 0; k < 3; ++k) body.spin[k] = spin[k];
-  reference::put(reference::rotation_of(turn), body.rotation);
-  return body;
+  return {.position = {0, 0, 4}, .rotation = reference::rotation_of(turn), .velocity = {3, 0, 0}, .spin = spin};
 }
 
-Rows rows_of(std::initializer_list<BodyState> states) {
-  Rows rows(body_numbers + 1, states.size());
-  for (const BodyState& body : states) {
-    double* const row = rows.append();
-    std::memcpy(row, &body, sizeof body);
-    row[body_numbers] = 0;
-  }
-  return rows;
+/// Of one body, and a joint that holds it.
+Motion motion_of(std::initializer_list<BodyState> states) {
+  Motion motion({.bodies = 1, .joints = 1}, states.size());
+  for (const BodyState& body : states) motion.append().bodies[0] = body;
+  return motion;
 }
 
 // Moments of the box: 2 (4 + 9) / 12, 2 (9 + 1) / 12, 2 (1 + 4) / 12. A spin is split along the body's axes as they
@@ -51,8 +42,8 @@ void energies_and_momentum() {
   const Scenario scenario = one_box();
   const SampleGrid grid = sample_grid(scenario);
   constexpr double quarter_turn = std::numbers::pi / 2;
-  const Rows rows = rows_of({state({}, {1, 2, 3}), state({0, 0, quarter_turn}, {1, 2, 3})});
-  const Trace trace = body_trace(scenario, grid, rows);
+  const Motion motion = motion_of({state({}, {1, 2, 3}), state({0, 0, quarter_turn}, {1, 2, 3})});
+  const Trace trace = body_trace(scenario, grid, motion);
   const double x = 26.0 / 12;
   const double y = 20.0 / 12;
   const double z = 10.0 / 12;
@@ -66,22 +57,23 @@ void energies_and_momentum() {
   CHECK(!measure(trace, nullptr, 1)[quantity::max_gap]);
 }
 
-// A trace has the columns that its problem gives a meaning, and no others: a joint in the air has no ground to reach
+// A trace has the columns that its scenario gives a meaning, and no others: a joint in the air has no ground to reach
 // into.
 void columns() {
   Scenario scenario = one_box();
   const SampleGrid grid = sample_grid(scenario);
   BodyState low = state({}, {});
   low.position[2] = 1.25;
-  const Rows rows = rows_of({state({}, {}), low});
-  const Trace free = body_trace(scenario, grid, rows);
+  const Motion motion = motion_of({state({}, {}), low});
+  const Trace free = body_trace(scenario, grid, motion);
   CHECK(free.gap.empty() && free.penetration.empty() && !free.angular_momentum_drift.empty());
-  scenario.joint = Joint{};
-  const Trace jointed = body_trace(scenario, grid, rows);
+  scenario.mechanism.joints = {Joint{.kind = BallJoint{}, .second = {}}};
+  const Trace jointed = body_trace(scenario, grid, motion);
   CHECK(!jointed.gap.empty() && jointed.penetration.empty() && jointed.angular_momentum_drift.empty());
-  scenario.joint.reset();
-  scenario.ground = Ground{};
-  const Trace grounded = body_trace(scenario, grid, rows);
+  scenario.mechanism.joints.clear();
+  scenario.mechanism.obstacles = {{HalfSpace{}, "ground"}};
+  scenario.mechanism.contacts = {{.restitution = 0, .friction = {}}};
+  const Trace grounded = body_trace(scenario, grid, motion);
   CHECK(grounded.gap.empty() && !grounded.penetration.empty() && grounded.angular_momentum_drift.empty());
   CHECK_EQUAL(grounded.penetration[0], 0.0);
   CHECK_NEAR(grounded.penetration[1], 0.25, rounding);  // half the box is 1.5 m high
@@ -93,9 +85,9 @@ void errors() {
   BodyState moved = state({0.3, -0.4, 1.2}, {});
   moved.position[0] = 3;
   moved.position[1] = -4;
-  Trace trace = body_trace(scenario, grid, rows_of({state({}, {}), moved}));
+  Trace trace = body_trace(scenario, grid, motion_of({state({}, {}), moved}));
   Reference reference;
-  reference.trace = body_trace(scenario, grid, rows_of({state({}, {}), state({}, {})}));
+  reference.trace = body_trace(scenario, grid, motion_of({state({}, {}), state({}, {})}));
   reference.uncertainty_position = {0, 0.25};
   reference.uncertainty_turn = {0, 0.125};
   compare(trace, reference);
@@ -116,11 +108,11 @@ void long_axis_spin() {
   const Scenario scenario = one_box();
   const SampleGrid grid = sample_grid(scenario);
   constexpr double quarter_turn = std::numbers::pi / 2;
-  Trace trace = body_trace(scenario, grid, rows_of({state({}, {1, 2, 3}), state({0, quarter_turn, 0}, {1, 2, 3})}));
+  Trace trace = body_trace(scenario, grid, motion_of({state({}, {1, 2, 3}), state({0, quarter_turn, 0}, {1, 2, 3})}));
   CHECK_NEAR(trace.long_axis_spin[0][0], 3, rounding);
   CHECK_NEAR(trace.long_axis_spin[0][1], 1, rounding);  // z lies along x
   Reference reference;
-  reference.trace = body_trace(scenario, grid, rows_of({state({}, {0, 0, 3}), state({}, {0, 0, 3.5})}));
+  reference.trace = body_trace(scenario, grid, motion_of({state({}, {0, 0, 3}), state({}, {0, 0, 3.5})}));
   reference.uncertainty_position = reference.uncertainty_turn = {0, 0};
   reference.uncertainty_spin = {0, 0.5};
   compare(trace, reference);

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <random>
 
-#include "model/problems.hpp"
+#include "model/generate.hpp"
 #include "reference/dual.hpp"
 #include "reference/equations.hpp"
 #include "tests/check.hpp"
@@ -33,7 +33,7 @@ Energies<Real> energies(const Scenario& scenario, const std::array<Real, 2 * N>&
   Energies<Real> sum;
   Real angle = 0, spin = 0, height = 0, forward_velocity = 0, upward_velocity = 0;  // the last three: of the near hinge
   for (std::size_t i = 0; i < N; ++i) {
-    const Link& link = scenario.links[i];
+    const Link& link = scenario.planar->links[i];
     angle += y[i];
     spin += y[N + i];
     const Real half_forward = 0.5 * link.length_m * cos(angle);
@@ -77,8 +77,8 @@ void check(const Scenario& scenario) {
   const ChainEquations<double, N> equations(scenario);
   std::array<double, 2 * N> y, slope;
   for (std::size_t i = 0; i < N; ++i) {
-    y[i] = scenario.q0[i];
-    y[N + i] = scenario.qd0[i];
+    y[i] = scenario.planar->q0[i];
+    y[N + i] = scenario.planar->qd0[i];
   }
   equations(y, slope);
   const Derivatives<N> l = lagrangian<N>(scenario, y);
@@ -104,13 +104,14 @@ Scenario random_chain(std::mt19937& random, std::size_t links) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
   Scenario scenario;
-  scenario.problem = &problems[links - 1];
   scenario.gravity = between(1, 20);
+  PlanarView view{.frame = hanging_frame, .links = {}, .q0 = {}, .qd0 = {}, .wall = {}};
   for (std::size_t i = 0; i < links; ++i) {
-    scenario.links.push_back({between(0.1, 3), between(0.2, 2), between(0.02, 0.5), between(0.02, 0.5)});
-    scenario.q0.push_back(between(-4, 4));
-    scenario.qd0.push_back(between(-5, 5));
+    view.links.push_back({between(0.1, 3), between(0.2, 2), between(0.02, 0.5), between(0.02, 0.5)});
+    view.q0.push_back(between(-4, 4));
+    view.qd0.push_back(between(-5, 5));
   }
+  scenario.planar = std::make_shared<const PlanarView>(std::move(view));
   return scenario;
 }
 

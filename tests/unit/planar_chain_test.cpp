@@ -5,7 +5,9 @@
 #include <Eigen/Dense>
 #include <random>
 
+#include "model/problems.hpp"
 #include "reference/equations.hpp"
+#include "reference/generalized_rows.hpp"
 #include "reference/maximal/box_lcp.hpp"
 #include "tests/check.hpp"
 
@@ -22,18 +24,20 @@ Scenario chain_of(int links, double ks, double kd) {
   Scenario scenario;
   scenario.gravity = 9.81;
   scenario.maximal = {ks, kd};
+  PlanarView view{.frame = hanging_frame, .links = {}, .q0 = {}, .qd0 = {}, .wall = {}};
   for (int i = 0; i < links; ++i) {
-    scenario.links.push_back({0.5 + 0.3 * i, 1.2 - 0.2 * i, 0.1 + 0.05 * i, 0.1});
-    scenario.q0.push_back(spread(random));
-    scenario.qd0.push_back(spread(random));
+    view.links.push_back({0.5 + 0.3 * i, 1.2 - 0.2 * i, 0.1 + 0.05 * i, 0.1});
+    view.q0.push_back(spread(random));
+    view.qd0.push_back(spread(random));
   }
+  scenario.planar = std::make_shared<const PlanarView>(std::move(view));
   return scenario;
 }
 
 template <int N>
 void start_keeps_the_joints() {
   const PlanarChain<N> chain(chain_of(N, 0, 0));
-  const auto y = chain.start(chain_of(N, 0, 0));
+  const auto y = chain.start(*chain_of(N, 0, 0).planar);
   const auto at = chain.joints(y);
   CHECK_BETWEEN(at.error.cwiseAbs().maxCoeff(), 0, 1e-15 * N);  // rounding of sums of lengths of 1 m
   CHECK_BETWEEN((at.jacobian * chain.rates_of(y)).cwiseAbs().maxCoeff(), 0, 1e-14);
@@ -43,7 +47,7 @@ void start_keeps_the_joints() {
 template <int N>
 void derivatives_are_the_differences() {
   const PlanarChain<N> chain(chain_of(N, 0, 0));
-  auto y = chain.start(chain_of(N, 0, 0));
+  auto y = chain.start(*chain_of(N, 0, 0).planar);
   for (std::size_t k = 0; k < y.size(); ++k) y[k] += 0.1 * std::sin(static_cast<double>(7 * k));  // joints open
   constexpr double step = 1e-5;
   const auto moved = [&](int coordinate, double by) {
@@ -72,14 +76,13 @@ template <int N>
 void accelerations_are_the_lagrangian_ones() {
   const Scenario scenario = chain_of(N, 400, 40);
   const PlanarChain<N> chain(scenario);
-  const auto y = chain.start(scenario);
+  const auto y = chain.start(*scenario.planar);
   typename PlanarChain<N>::State dydt;
   chain(y, dydt);
 
   const ChainEquations<double, N> equations(scenario);
-  typename ChainEquations<double, N>::State state, rate;
-  std::copy(scenario.q0.begin(), scenario.q0.end(), state.begin());
-  std::copy(scenario.qd0.begin(), scenario.qd0.end(), state.begin() + N);
+  const auto state = start_state<typename ChainEquations<double, N>::State>(*scenario.planar);
+  auto rate = state;
   equations(state, rate);
   double wanted = 0;
   for (std::size_t i = 0; i < N; ++i) {
@@ -91,7 +94,7 @@ void accelerations_are_the_lagrangian_ones() {
   // Newton: what the joints of a link and its weight add up to is its mass times its acceleration.
   const auto forces = chain.joint_forces(y);
   for (int i = 0; i < N; ++i) {
-    const Link& link = scenario.links[static_cast<std::size_t>(i)];
+    const Link& link = scenario.planar->links[static_cast<std::size_t>(i)];
     Eigen::Vector2d sum = forces.template segment<2>(2 * i) - Eigen::Vector2d(0, link.mass_kg * scenario.gravity);
     if (i + 1 < N) sum -= forces.template segment<2>(2 * i + 2);
     const auto k = static_cast<std::size_t>(3 * N + 3 * i);
@@ -104,7 +107,7 @@ void accelerations_are_the_lagrangian_ones() {
 template <int N>
 void feedback_is_what_the_settings_say() {
   const PlanarChain<N> chain(chain_of(N, 30, 7));
-  auto y = chain.start(chain_of(N, 30, 7));
+  auto y = chain.start(*chain_of(N, 30, 7).planar);
   for (std::size_t k = 0; k < y.size(); ++k) y[k] += 0.01 * std::cos(static_cast<double>(5 * k));
   typename PlanarChain<N>::State dydt;
   chain(y, dydt);
