@@ -287,77 +287,97 @@ std::string table_csv(const std::vector<Candidate>& candidates, const Options& o
   return text;
 }
 
-int recommend(const Options& options) {
-  refuse_searched(options.settings.overrides(), catalogue::searched_keys, "'odeval recommend'");
-  const Scenario scenario = options.settings.read(options.scenario);
-  if (!scenario.planar) {
-    throw UserError(options.scenario + ": errors are looked for in angles, and scenario '" + scenario.name +
-                    "' has none; 'odeval sweep' takes any error");
-  }
-  const auto methods = chosen_methods(options.methods, scenario);
-  require_read(options.settings.overrides(), {{{scenario, methods}}});
-  const double uncertainty = catalogue::Accuracy(scenario, options.until).uncertainty();
-  if (uncertainty > options.max_error) {
-    throw UserError(fmt::format(
-        "--max-error {}: the reference of '{}' knows the angles to {} rad until {} s; {}take a shorter --until",
-        number_text(options.max_error), scenario.name, three_digits(uncertainty), number_text(options.until),
-        uncertainty < greatest_error ? "ask for more, or " : ""));
-  }
+void require_angles(const Options& options, const Scenario& scenario) {
+  if (scenario.planar) return;
+  throw UserError(options.scenario + ": errors are looked for in angles, and scenario '" + scenario.name +
+                  "' has none; 'odeval sweep' takes any error");
+}
 
+/// Throws UserError where the reference does not know the angles as well as asked.
+void require_known(const Options& options, const Scenario& scenario) {
+  const double uncertainty = catalogue::Accuracy(scenario, options.until).uncertainty();
+  if (uncertainty <= options.max_error) return;
+  throw UserError(fmt::format(
+      "--max-error {}: the reference of '{}' knows the angles to {} rad until {} s; {}take a shorter --until",
+      number_text(options.max_error), scenario.name, three_digits(uncertainty), number_text(options.until),
+      uncertainty < greatest_error ? "ask for more, or " : ""));
+}
+
+/// What keeps the budget, cheapest first; then what does not, nearest first.
+std::vector<Candidate> find_candidates(const Options& options, const Scenario& scenario,
+                                       const std::vector<const catalogue::Method*>& methods) {
   std::vector<Candidate> candidates;
-  {
-    Progress progress(methods.size() + 1, options.quiet);
-    const Search search(options, scenario);
-    for (const catalogue::Method* method : methods) {
-      progress.next(scenario.name + " " + std::string(method->name));
-      const bool has_start = catalogue::has_half_step_start(*method);
-      candidates.push_back(search.cheapest(*method, has_start ? scenario.ode.start : Start::as_given));
-      if (has_start && !start_is_asked_for(options) && scenario.ode.start != Start::half_step) {
-        candidates.push_back(search.cheapest(*method, Start::half_step));
-      }
+  Progress progress(methods.size() + 1, options.quiet);
+  const Search search(options, scenario);
+  for (const catalogue::Method* method : methods) {
+    progress.next(scenario.name + " " + std::string(method->name));
+    const bool has_start = catalogue::has_half_step_start(*method);
+    candidates.push_back(search.cheapest(*method, has_start ? scenario.ode.start : Start::as_given));
+    if (has_start && !start_is_asked_for(options) && scenario.ode.start != Start::half_step) {
+      candidates.push_back(search.cheapest(*method, Start::half_step));
     }
-    time_them(candidates, progress);
   }
+  time_them(candidates, progress);
   std::ranges::stable_sort(candidates, [](const Candidate& a, const Candidate& b) {
     if (a.why_not.empty() != b.why_not.empty()) return a.why_not.empty();
     return a.why_not.empty() ? a.median_s < b.median_s : a.error < b.error;
   });
+  return candidates;
+}
+
+std::string budget_of(const Options& options) {
+  const std::string drift =
+      std::isfinite(options.max_energy_drift)
+          ? fmt::format(" and an energy drift of at most {} J", number_text(options.max_energy_drift))
+          : "";
+  return fmt::format("an error of at most {} rad{} until {} s", number_text(options.max_error), drift,
+                     number_text(options.until));
+}
+
+std::string candidates_table(const std::vector<Candidate>& candidates) {
+  TextTable table("llrrrrrl", {"method", "setting", "error, rad", "drift, J", "steps", "median, ms", "±", ""});
+  for (const Candidate& c : candidates) {
+    const bool keeps = c.why_not.empty();
+    table.add({std::string(c.method->name), setting_text(c), with_uncertainty(c.error, c.uncertainty),
+               std::isfinite(c.drift) ? three_digits(c.drift) : "-", std::to_string(c.steps),
+               keeps ? three_digits(1e3 * c.median_s) : "-", keeps ? three_digits(1e3 * c.mad_s) : "-",
+               keeps ? "" : "no: " + c.why_not});
+  }
+  return table.text();
+}
+
+/// The commands that prove the cheapest of all, and the cheapest that ODE has.
+std::string proofs(const std::vector<Candidate>& candidates, const Options& options) {
+  if (!candidates.front().why_not.empty()) return "none does\n";
+  std::string text = "cheapest:      " + command_of(candidates.front(), options) + '\n';
+  const auto engine = std::ranges::find_if(
+      candidates, [](const Candidate& c) { return c.why_not.empty() && c.method->name.starts_with("ode-"); });
+  if (engine != candidates.end() && engine != candidates.begin()) {
+    text += "cheapest ODE:  " + command_of(*engine, options) + '\n';
+  }
+  return text;
+}
+
+int recommend(const Options& options) {
+  refuse_searched(options.settings.overrides(), catalogue::searched_keys, "'odeval recommend'");
+  const Scenario scenario = options.settings.read(options.scenario);
+  require_angles(options, scenario);
+  const auto methods = chosen_methods(options.methods, scenario);
+  require_read(options.settings.overrides(), {{{scenario, methods}}});
+  require_known(options, scenario);
+
+  const std::vector<Candidate> candidates = find_candidates(options, scenario, methods);
   const auto file = std::filesystem::path(options.out) / "recommend" / (scenario.name + ".csv");
   write_whole(file, table_csv(candidates, options));
-
-  const bool any = candidates.front().why_not.empty();
   if (!options.quiet) {
-    const std::string budget =
-        fmt::format("an error of at most {} rad{} until {} s", number_text(options.max_error),
-                    std::isfinite(options.max_energy_drift)
-                        ? fmt::format(" and an energy drift of at most {} J", number_text(options.max_energy_drift))
-                        : "",
-                    number_text(options.until));
-    TextTable table("llrrrrrl", {"method", "setting", "error, rad", "drift, J", "steps", "median, ms", "±", ""});
-    for (const Candidate& c : candidates) {
-      const bool keeps = c.why_not.empty();
-      table.add({std::string(c.method->name), setting_text(c), with_uncertainty(c.error, c.uncertainty),
-                 std::isfinite(c.drift) ? three_digits(c.drift) : "-", std::to_string(c.steps),
-                 keeps ? three_digits(1e3 * c.median_s) : "-", keeps ? three_digits(1e3 * c.mad_s) : "-",
-                 keeps ? "" : "no: " + c.why_not});
-    }
-    std::cout << scenario.name << ": what keeps " << budget << ", cheapest first\n\n" << table.text() << '\n';
-    if (!any) {
-      std::cout << "none does\n";
-    } else {
-      std::cout << "cheapest:      " << command_of(candidates.front(), options) << '\n';
-      const auto engine = std::ranges::find_if(
-          candidates, [](const Candidate& c) { return c.why_not.empty() && c.method->name.starts_with("ode-"); });
-      if (engine != candidates.end() && engine != candidates.begin()) {
-        std::cout << "cheapest ODE:  " << command_of(*engine, options) << '\n';
-      }
-    }
-    std::cout
-        << "\nErrors are over every step of a run as the command does it; CPU time of the stepping alone, methods in "
-           "turn.\nwrote "
-        << file.string() << '\n';
+    std::cout << scenario.name << ": what keeps " << budget_of(options) << ", cheapest first\n\n"
+              << candidates_table(candidates) << '\n'
+              << proofs(candidates, options)
+              << "\nErrors are over every step of a run as the command does it; CPU time of the stepping alone, "
+                 "methods in turn.\nwrote "
+              << file.string() << '\n';
   }
-  return any ? 0 : 1;
+  return candidates.front().why_not.empty() ? 0 : 1;
 }
 
 }  // namespace

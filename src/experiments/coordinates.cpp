@@ -120,51 +120,32 @@ report::Table order_table(const std::vector<Ladder>& ladders) {
   return table;
 }
 
-}  // namespace
-
-Content coordinates(Laboratory& laboratory, Findings& findings) {
-  Evaluator& evaluator = laboratory.evaluator("double_pendulum");
-  const Scenario& file = evaluator.scenario();
-  report::Table table{.name = "coordinates",
-                      .columns = {"method", "error until 3 s, rad", "the reference's uncertainty, rad",
-                                  "condition number, median over the run"}};
+/// The compared methods' errors until 3 s and their medians of the condition number.
+struct Compared {
   double error[std::size(compared)];
   double uncertainty[std::size(compared)];
   double condition[std::size(compared)];
+  report::Table table{.name = "coordinates",
+                      .columns = {"method", "error until 3 s, rad", "the reference's uncertainty, rad",
+                                  "condition number, median over the run"}};
   Panel panel{.x_label = "t, s", .y_label = "condition number", .log_y = true};
+};
+
+Compared measure_compared(Laboratory& laboratory, Evaluator& evaluator) {
+  Compared all;
   for (std::size_t i = 0; i < std::size(compared); ++i) {
     const Evaluation& run = *laboratory.run("double_pendulum", compared[i]);
-    error[i] = error_until(evaluator, run, until_s);
-    uncertainty[i] = uncertainty_until(evaluator, run, until_s);
-    condition[i] = median(run.trace.condition);
-    table.rows.push_back({std::string(compared[i]), error[i], uncertainty[i], condition[i]});
-    panel.series.push_back(curve(compared[i], run.trace.t, run.trace.condition, colour_of(compared[i])));
+    all.error[i] = error_until(evaluator, run, until_s);
+    all.uncertainty[i] = uncertainty_until(evaluator, run, until_s);
+    all.condition[i] = median(run.trace.condition);
+    all.table.rows.push_back({std::string(compared[i]), all.error[i], all.uncertainty[i], all.condition[i]});
+    all.panel.series.push_back(curve(compared[i], run.trace.t, run.trace.condition, colour_of(compared[i])));
   }
-  panel.shade = lost_shade(evaluator, *laboratory.run("double_pendulum", compared[0]));
+  all.panel.shade = lost_shade(evaluator, *laboratory.run("double_pendulum", compared[0]));
+  return all;
+}
 
-  const Method step = *available("ode-step-double");
-  const Method projected = projected_step();
-  const Evaluation unfed = evaluator.evaluate(step, with_erp(file.ode, 0));
-  const Evaluation control = evaluator.evaluate(projected);
-  const double unfed_error = error_until(evaluator, unfed, until_s);
-  const double control_error = error_until(evaluator, control, until_s);
-  table.rows.push_back(
-      {std::string("ode-step-double, ERP 0"), unfed_error, uncertainty[0], median(unfed.trace.condition)});
-  table.rows.push_back({std::string(projected.name), control_error, uncertainty[0], median(control.trace.condition)});
-
-  findings.add("C3.error_ratio",
-               measured_ratio("error of dWorldStep over that of symplectic Euler in generalized coordinates, until 3 s",
-                              error[0], error[2], uncertainty[0], uncertainty[2]));
-  findings.add("C3.condition_ratio",
-               measured_ratio("median condition number of ODE's system matrix over that of the generalized mass matrix",
-                              condition[0], condition[2]));
-  findings.add("coordinates.feedback_gain",
-               measured_ratio("error of dWorldStep without feedback (ERP 0) over that with it, until 3 s", unfed_error,
-                              error[0], uncertainty[0], uncertainty[0]));
-  findings.add("coordinates.scheme_ratio",
-               measured_ratio("error of dWorldStep over that of its own scheme in generalized coordinates, until 3 s",
-                              error[0], control_error, uncertainty[0], uncertainty[0]));
-
+std::vector<Ladder> measure_ladders(const Scenario& file, const Method& step, const Method& projected) {
   std::vector<Ladder> ladders;
   for (const double erp : laddered_erps) {
     ladders.push_back(ladder(file, step, with_erp(file.ode, erp), fmt::format("dWorldStep, ERP {}", erp)));
@@ -173,22 +154,58 @@ Content coordinates(Laboratory& laboratory, Findings& findings) {
   Method symplectic = *available("lagrange-symplectic-euler");
   symplectic.settings = catalogue::step_settings();  // to be given the half-step start as well
   ladders.push_back(ladder(file, symplectic, file.ode, "symplectic Euler, generalized"));
+  return ladders;
+}
+
+void add_findings(Findings& findings, const Compared& all, double unfed_error, double control_error) {
+  findings.add("C3.error_ratio",
+               measured_ratio("error of dWorldStep over that of symplectic Euler in generalized coordinates, until 3 s",
+                              all.error[0], all.error[2], all.uncertainty[0], all.uncertainty[2]));
+  findings.add("C3.condition_ratio",
+               measured_ratio("median condition number of ODE's system matrix over that of the generalized mass matrix",
+                              all.condition[0], all.condition[2]));
+  findings.add("coordinates.feedback_gain",
+               measured_ratio("error of dWorldStep without feedback (ERP 0) over that with it, until 3 s", unfed_error,
+                              all.error[0], all.uncertainty[0], all.uncertainty[0]));
+  findings.add("coordinates.scheme_ratio",
+               measured_ratio("error of dWorldStep over that of its own scheme in generalized coordinates, until 3 s",
+                              all.error[0], control_error, all.uncertainty[0], all.uncertainty[0]));
+}
+
+}  // namespace
+
+Content coordinates(Laboratory& laboratory, Findings& findings) {
+  Evaluator& evaluator = laboratory.evaluator("double_pendulum");
+  const Scenario& file = evaluator.scenario();
+  Compared all = measure_compared(laboratory, evaluator);
+  const Method step = *available("ode-step-double");
+  const Method projected = projected_step();
+  const Evaluation unfed = evaluator.evaluate(step, with_erp(file.ode, 0));
+  const Evaluation control = evaluator.evaluate(projected);
+  const double unfed_error = error_until(evaluator, unfed, until_s);
+  const double control_error = error_until(evaluator, control, until_s);
+  all.table.rows.push_back(
+      {std::string("ode-step-double, ERP 0"), unfed_error, all.uncertainty[0], median(unfed.trace.condition)});
+  all.table.rows.push_back(
+      {std::string(projected.name), control_error, all.uncertainty[0], median(control.trace.condition)});
+  add_findings(findings, all, unfed_error, control_error);
+  const std::vector<Ladder> ladders = measure_ladders(file, step, projected);
 
   Content content;
   content.values = {{"step", file.step_s},
                     {"largest_step", steps_s[0]},
                     {"least_step", steps_s[std::size(steps_s) - 1]},
-                    {"worse_conditioned", shown(condition[0] / condition[2])},
-                    {"smaller_error", shown(error[2] / error[0])},
+                    {"worse_conditioned", shown(all.condition[0] / all.condition[2])},
+                    {"smaller_error", shown(all.error[2] / all.error[0])},
                     {"unfed_error", shown(unfed_error)},
-                    {"error", shown(error[0])},
+                    {"error", shown(all.error[0])},
                     {"known", reference_known(evaluator, {1})},
                     {"generalized_error", shown(control_error)}};
-  content.exhibits.emplace_back(std::move(table));
-  content.exhibits.emplace_back(erp_figure(evaluator, file, projected, error[2], control_error));
+  content.exhibits.emplace_back(std::move(all.table));
+  content.exhibits.emplace_back(erp_figure(evaluator, file, projected, all.error[2], control_error));
   content.exhibits.emplace_back(order_figure(ladders));
   content.exhibits.emplace_back(order_table(ladders));
-  content.exhibits.emplace_back(report::Figure{.name = "coordinates-condition", .panels = {std::move(panel)}});
+  content.exhibits.emplace_back(report::Figure{.name = "coordinates-condition", .panels = {std::move(all.panel)}});
   return content;
 }
 

@@ -55,83 +55,104 @@ Scales scales_of(const Body& body) {
   return scales;
 }
 
-}  // namespace
+/// What the experiment measures, case after case.
+class FreeFlights {
+ public:
+  explicit FreeFlights(const Scenario& file) : file_(file) {}
 
-Content free_box(Laboratory& laboratory, Findings& findings) {
-  const Scenario& file = laboratory.scenario("free_box");
+  void measure(const Case& which, double step_s) {
+    Evaluator evaluator(scenario_of(which, file_, step_s));
+    for (const char* name : measured_methods) {
+      const catalogue::Method* const method = available(name);
+      if (method == nullptr) {
+        table.rows.push_back(
+            row_left_out({std::string(which.name), std::string(name), step_s}, table.columns.size()));
+      } else {
+        measure(which, step_s, *method, evaluator);
+      }
+    }
+    if (which.tumbles && step_s == file_.step_s) {
+      const Reference& reference = evaluator.reference();
+      over_time.series.push_back(curve("the reference's uncertainty", reference.trace.t,
+                                       above_zero(reference.uncertainty_turn), guide_colour, true));
+    }
+  }
+
   report::Table table{.name = "free-box",
                       .columns = {"case", "method", "step, s", "distance, m", "g h T / 2, m", "± m",
                                   fmt::format("turned until {} s, rad", early_s), "± rad", "turned until 10 s, rad",
                                   "± rad", "angular momentum error", "energy error"}};
-  report::Panel over_steps{.x_label = "h, s", .y_label = "error, rad or m", .log_x = true, .log_y = true};
   report::Panel over_time{.x_label = "t, s", .y_label = "angle, rad", .log_y = true};
   report::Series turned{fmt::format("angle until {} s, rad", early_s), {}, {}, report::Mark::line_and_points};
   report::Series fallen{"distance until 10 s, m", {}, {}, report::Mark::line_and_points};
   double off_the_law = 0;
   double uncertainty = 0;
 
-  for (const Case& which : cases) {
-    for (const double step_s : steps_s) {
-      Evaluator evaluator(scenario_of(which, file, step_s));
-      const Scenario& scenario = evaluator.scenario();
-      const double law = scenario.gravity * step_s * scenario.duration_s / 2;
-      const Scales scales = scales_of(scenario.mechanism.bodies[0]);
-      for (const char* name : measured_methods) {
-        const catalogue::Method* const method = available(name);
-        if (method == nullptr) {
-          table.rows.push_back(
-              row_left_out({std::string(which.name), std::string(name), step_s}, table.columns.size()));
-          continue;
-        }
-        const Evaluation run = evaluator.evaluate(*method);
-        const Metrics all = evaluator.measure(run, scenario.duration_s);
-        const Metrics early = evaluator.measure(run, early_s);
-        const bool of_ode = catalogue::has_half_step_start(*method);
-        table.rows.push_back({std::string(which.name), std::string(name), step_s, *all[quantity::max_error_position],
-                              of_ode ? Cell(law) : Cell(std::string("-")), *all[quantity::position_uncertainty],
-                              *early[quantity::max_error_turn], *early[quantity::turn_uncertainty],
-                              *all[quantity::max_error_turn], *all[quantity::turn_uncertainty],
-                              *all[quantity::max_angular_momentum_drift] / scales.momentum,
-                              *all[quantity::max_energy_drift] / scales.energy});
-        if (!which.tumbles) continue;
-        if (std::string_view(name) == "ode-step-double") {
-          off_the_law = std::fmax(off_the_law, std::fabs(*all[quantity::max_error_position] - law));
-          uncertainty = std::fmax(uncertainty, *all[quantity::position_uncertainty]);
-          turned.x.push_back(step_s);
-          turned.y.push_back(*early[quantity::max_error_turn]);
-          fallen.x.push_back(step_s);
-          fallen.y.push_back(*all[quantity::max_error_position]);
-        }
-        if (step_s == file.step_s && !std::string_view(name).starts_with("ode-quickstep")) {
-          const Column& error = run.trace.error_turn[0];
-          const auto lost = std::ranges::find_if(error, [](double angle) { return angle > divergence_rad; });
-          if (which.tumbles && name == std::string_view("ode-step-double") && lost != error.end()) {
-            over_time.shade = report::Shade{run.trace.t[static_cast<std::size_t>(lost - error.begin())],
-                                            fmt::format("dWorldStep is off by more than {} rad", divergence_rad)};
-          }
-          over_time.series.push_back(curve(name, run.trace.t, above_zero(run.trace.error_turn[0]), colour_of(name),
-                                           std::string_view(name).ends_with("single")));
-        }
-      }
-      if (which.tumbles && step_s == file.step_s) {
-        const Reference& reference = evaluator.reference();
-        over_time.series.push_back(curve("the reference's uncertainty", reference.trace.t,
-                                         above_zero(reference.uncertainty_turn), guide_colour, true));
-      }
-    }
+ private:
+  void measure(const Case& which, double step_s, const catalogue::Method& method, Evaluator& evaluator) {
+    const Scenario& scenario = evaluator.scenario();
+    const double law = scenario.gravity * step_s * scenario.duration_s / 2;
+    const Scales scales = scales_of(scenario.mechanism.bodies[0]);
+    const Evaluation run = evaluator.evaluate(method);
+    const Metrics all = evaluator.measure(run, scenario.duration_s);
+    const Metrics early = evaluator.measure(run, early_s);
+    const bool of_ode = catalogue::has_half_step_start(method);
+    table.rows.push_back({std::string(which.name), std::string(method.name), step_s,
+                          *all[quantity::max_error_position], of_ode ? Cell(law) : Cell(std::string("-")),
+                          *all[quantity::position_uncertainty], *early[quantity::max_error_turn],
+                          *early[quantity::turn_uncertainty], *all[quantity::max_error_turn],
+                          *all[quantity::turn_uncertainty], *all[quantity::max_angular_momentum_drift] / scales.momentum,
+                          *all[quantity::max_energy_drift] / scales.energy});
+    if (!which.tumbles) return;
+    if (method.name == "ode-step-double") add_step(step_s, law, all, early);
+    if (step_s == file_.step_s && !method.name.starts_with("ode-quickstep")) draw(run);
   }
-  over_steps.series = {turned, fallen};
-  findings.add("free_box.off_the_law", measured("distance of dWorldStep's error from g h T / 2, largest of three steps",
-                                                "m", off_the_law, uncertainty));
 
+  void add_step(double step_s, double law, const Metrics& all, const Metrics& early) {
+    off_the_law = std::fmax(off_the_law, std::fabs(*all[quantity::max_error_position] - law));
+    uncertainty = std::fmax(uncertainty, *all[quantity::position_uncertainty]);
+    turned.x.push_back(step_s);
+    turned.y.push_back(*early[quantity::max_error_turn]);
+    fallen.x.push_back(step_s);
+    fallen.y.push_back(*all[quantity::max_error_position]);
+  }
+
+  void draw(const Evaluation& run) {
+    const std::string_view name = run.method->name;
+    const Column& error = run.trace.error_turn[0];
+    const auto lost = std::ranges::find_if(error, [](double angle) { return angle > divergence_rad; });
+    if (name == "ode-step-double" && lost != error.end()) {
+      over_time.shade = report::Shade{run.trace.t[static_cast<std::size_t>(lost - error.begin())],
+                                      fmt::format("dWorldStep is off by more than {} rad", divergence_rad)};
+    }
+    over_time.series.push_back(
+        curve(std::string(name), run.trace.t, above_zero(error), colour_of(name), name.ends_with("single")));
+  }
+
+  const Scenario& file_;
+};
+
+}  // namespace
+
+Content free_box(Laboratory& laboratory, Findings& findings) {
+  const Scenario& file = laboratory.scenario("free_box");
+  FreeFlights flights(file);
+  for (const Case& which : cases) {
+    for (const double step_s : steps_s) flights.measure(which, step_s);
+  }
+  findings.add("free_box.off_the_law", measured("distance of dWorldStep's error from g h T / 2, largest of three steps",
+                                                "m", flights.off_the_law, flights.uncertainty));
+
+  report::Panel over_steps{.x_label = "h, s", .y_label = "error, rad or m", .log_x = true, .log_y = true};
+  over_steps.series = {flights.turned, flights.fallen};
   report::Figure figure{.name = "free-box-errors", .columns = 2};
-  figure.panels = {std::move(over_steps), std::move(over_time)};
+  figure.panels = {std::move(over_steps), std::move(flights.over_time)};
   Content content;
   content.values = {{"step", file.step_s},
-                    {"off_the_law", shown(off_the_law)},
+                    {"off_the_law", shown(flights.off_the_law)},
                     {"left_out", left_out({std::begin(measured_methods), std::end(measured_methods)})}};
   content.exhibits.emplace_back(std::move(figure));
-  content.exhibits.emplace_back(std::move(table));
+  content.exhibits.emplace_back(std::move(flights.table));
   return content;
 }
 

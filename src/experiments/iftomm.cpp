@@ -101,14 +101,26 @@ void add_cells(std::vector<Cell>& row, const Accuracy& accuracy, const Method& m
   }
 }
 
-}  // namespace
+void add_step_findings(Findings& findings, const Method& method, const Reached& reached, double duration_s) {
+  if (method.name == "ode-rk4-double" || method.name == "lagrange-symplectic-euler") {
+    for (std::size_t i = 0; i < std::size(asked); ++i) {
+      const std::optional<double>& setting = reached.setting[i];
+      const std::string meaning =
+          fmt::format("step of {} that stays within {} rad for {} s", method.name, asked[i], duration_s);
+      findings.add(fmt::format("iftomm.{}_within_{}", method.name, asked[i]),
+                   setting ? measured(meaning, "s", *setting) : unavailable(meaning, "s", "not reached"));
+    }
+  }
+  if (method.name == "ode-step-double") {
+    findings.add("iftomm.ode-step-double_best",
+                 measured("least error of dWorldStep over the whole time among the steps tried", "rad",
+                          reached.best.error, reached.best.uncertainty));
+  }
+}
 
-Content iftomm(Laboratory& laboratory, Findings& findings) {
-  const Scenario& scenario = laboratory.scenario("iftomm_pendulum");
-  const Accuracy accuracy(scenario, scenario.duration_s);
-  report::Table table{.name = "iftomm",
-                      .columns = {"method", "within 0.1 rad, CPU s", "with", "within 0.001 rad, CPU s", "with"}};
-  report::Panel panel{.x_label = "steps", .y_label = "largest angle error, rad", .log_x = true, .log_y = true};
+/// Every method's row and curve.
+void measure_methods(const Accuracy& accuracy, const Scenario& scenario, report::Table& table, report::Panel& panel,
+                     Findings& findings) {
   for (const Method& method : catalogue::methods()) {
     if (!catalogue::does(method, scenario)) continue;
     std::vector<Cell> row{std::string(method.name)};
@@ -122,23 +134,13 @@ Content iftomm(Laboratory& laboratory, Findings& findings) {
         search(accuracy, method, ladder_of(accuracy, method, scenario.duration_s, most_steps_of(method)));
     add_cells(row, accuracy, method, reached);
     panel.series.push_back(series_of(std::string(method.name), reached, colour_of(method.name)));
-    for (std::size_t i = 0; i < std::size(asked); ++i) {
-      const std::optional<double>& setting = reached.setting[i];
-      if (method.name == "ode-rk4-double" || method.name == "lagrange-symplectic-euler") {
-        const std::string meaning =
-            fmt::format("step of {} that stays within {} rad for {} s", method.name, asked[i], scenario.duration_s);
-        findings.add(fmt::format("iftomm.{}_within_{}", method.name, asked[i]),
-                     setting ? measured(meaning, "s", *setting) : unavailable(meaning, "s", "not reached"));
-      }
-    }
-    if (method.name == "ode-step-double") {
-      findings.add("iftomm.ode-step-double_best",
-                   measured("least error of dWorldStep over the whole time among the steps tried", "rad",
-                            reached.best.error, reached.best.uncertainty));
-    }
+    add_step_findings(findings, method, reached, scenario.duration_s);
     table.rows.push_back(std::move(row));
   }
-  // The settings that claims O1 and O2 come to.
+}
+
+/// The settings that claims O1 and O2 come to.
+void measure_best_settings(const Scenario& scenario, report::Table& table, report::Panel& panel, Findings& findings) {
   Scenario best = scenario;
   best.ode.erp = 1;
   best.ode.start = Start::half_step;
@@ -158,6 +160,18 @@ Content iftomm(Laboratory& laboratory, Findings& findings) {
       asked[0], best.duration_s);
   findings.add("iftomm.best_settings_within_0.1", reached.setting[0] ? measured(meaning, "s", *reached.setting[0])
                                                                      : unavailable(meaning, "s", "not reached"));
+}
+
+}  // namespace
+
+Content iftomm(Laboratory& laboratory, Findings& findings) {
+  const Scenario& scenario = laboratory.scenario("iftomm_pendulum");
+  const Accuracy accuracy(scenario, scenario.duration_s);
+  report::Table table{.name = "iftomm",
+                      .columns = {"method", "within 0.1 rad, CPU s", "with", "within 0.001 rad, CPU s", "with"}};
+  report::Panel panel{.x_label = "steps", .y_label = "largest angle error, rad", .log_x = true, .log_y = true};
+  measure_methods(accuracy, scenario, table, panel, findings);
+  measure_best_settings(scenario, table, panel, findings);
 
   Content content;
   content.values = {{"duration", scenario.duration_s},

@@ -16,7 +16,7 @@ Vec3 middle_of(const Pose& pose) {
 }
 
 /// The plane that falls towards +x, seen below a point.
-GroundPlane ground_below(const odeval::HalfSpace& plane, const Vec3& point) {
+GroundPlane ground_below(const HalfSpace& plane, const Vec3& point) {
   const Vec3& normal = plane.normal;
   const double height = dot(point, normal) - plane.offset_m;
   return {point - height * normal, {normal[2], 0, -normal[0]}, {0, 1, 0}, normal};
@@ -50,7 +50,7 @@ BodyStage::BodyStage(const Scenario& scenario, std::span<const Pose> shown)
   reach_m_ = std::max(length(high - low) / 2, 1e-3);
   frame_.hinge_m = centre;
   for (const Obstacle& obstacle : scenario.mechanism.obstacles) {
-    if (const auto* const plane = std::get_if<odeval::HalfSpace>(&obstacle.shape)) ground_ = ground_below(*plane, centre);
+    if (const auto* const plane = std::get_if<HalfSpace>(&obstacle.shape)) ground_ = ground_below(*plane, centre);
   }
 }
 

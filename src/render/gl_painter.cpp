@@ -58,7 +58,7 @@ void paint_layer(const Layer& layer, StencilPasses& passes) {
     const GLenum plane = GL_CLIP_PLANE0 + static_cast<GLenum>(k);
     enable(plane, k < layer.within.size());
     if (k >= layer.within.size()) continue;
-    const HalfSpace& half = layer.within[k];
+    const ClipPlane& half = layer.within[k];
     const GLdouble equation[] = {half.normal[0], half.normal[1], half.normal[2], -half.offset};
     glClipPlane(plane, equation);
   }

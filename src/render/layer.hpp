@@ -12,7 +12,7 @@ struct Vertex {
   Colour colour;
 };
 
-struct HalfSpace {  // normal . p >= offset
+struct ClipPlane {  // normal . p >= offset
   Vec3 normal;
   double offset;
 };
@@ -26,7 +26,7 @@ struct Layer {
   };
   Rule rule = Rule::solid;
   std::vector<Vertex> triangles;  // three by three
-  std::vector<HalfSpace> within;  // paint only there; at most six
+  std::vector<ClipPlane> within;  // paint only there; at most six
 };
 
 }  // namespace odeval::render

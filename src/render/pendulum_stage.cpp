@@ -103,11 +103,8 @@ void PendulumStage::add_hinges(Layer& layer, const Brush& brush, const Pose& pos
   }
 }
 
-std::vector<Layer> PendulumStage::layers(const Camera& camera, const Pose& pose, const Pose* outline) const {
-  const Vec3 towards_lamp = unit(0.55 * frame_.horizontal + 0.75 * frame_.axis() + 1.1 * frame_.up);
-  const Vec3 lamp = frame_.hinge_m + lamp_distance * reach_m_ * towards_lamp;
-  const Brush brush(camera, frame_.up, lamp);
-  const double edge_px = edge_width_px(camera);
+/// What throws shadows: the links, and what holds the balls.
+std::vector<Quad> PendulumStage::casters_of(const Pose& pose) const {
   std::vector<Quad> casters;
   for (std::size_t i = 0; i < pose.size(); ++i) {
     if (!drawable(pose[i])) continue;
@@ -120,32 +117,35 @@ std::vector<Layer> PendulumStage::layers(const Camera& camera, const Pose& pose,
       add_quads(casters, link.pose, link.half);
     }
   }
+  return casters;
+}
 
-  std::vector<Layer> layers;
-  if (dot(camera.eye(), frame_.up) > ground_m_) {  // from below, the ground would hide all
-    const Vec3 middle = frame_.hinge_m + (ground_m_ - dot(frame_.hinge_m, frame_.up)) * frame_.up;
-    add_ground(layers, brush, camera, {middle, frame_.horizontal, frame_.axis(), frame_.up}, reach_m_);
-    std::vector<Quad> all = casters;
-    if (wall_) add_quads(all, wall_->pose, wall_->half);
-    add_shadows(layers, all, {frame_.up, ground_m_}, {}, towards_lamp);
-  }
-  if (wall_) {
-    Layer& wall = layers.emplace_back();
-    brush.box(wall, wall_->pose, wall_->half, wall_colour, edge_px);
-    const double face = dot(wall_->pose.centre_m, frame_.horizontal) + wall_->half.across;
-    if (dot(camera.eye(), frame_.horizontal) > face) {
-      const double side = dot(wall_->pose.centre_m, frame_.axis());
-      const double top = dot(wall_->pose.centre_m, frame_.up) + wall_->half.along;
-      add_shadows(layers, casters, {frame_.horizontal, face},
-                  {{frame_.axis(), side - wall_->half.hinge},
-                   {-1 * frame_.axis(), -side - wall_->half.hinge},
-                   {frame_.up, ground_m_},
-                   {-1 * frame_.up, -top}},
-                  towards_lamp);
-    }
-  }
+void PendulumStage::add_floor(std::vector<Layer>& layers, const Brush& brush, const Camera& camera,
+                              std::vector<Quad> casters, const Vec3& towards_lamp) const {
+  if (dot(camera.eye(), frame_.up) <= ground_m_) return;  // from below, the ground would hide all
+  const Vec3 middle = frame_.hinge_m + (ground_m_ - dot(frame_.hinge_m, frame_.up)) * frame_.up;
+  add_ground(layers, brush, camera, {middle, frame_.horizontal, frame_.axis(), frame_.up}, reach_m_);
+  if (wall_) add_quads(casters, wall_->pose, wall_->half);
+  add_shadows(layers, casters, {frame_.up, ground_m_}, {}, towards_lamp);
+}
 
-  Layer& links = layers.emplace_back();
+void PendulumStage::add_wall(std::vector<Layer>& layers, const Brush& brush, const Camera& camera,
+                             const std::vector<Quad>& casters, const Vec3& towards_lamp) const {
+  Layer& wall = layers.emplace_back();
+  brush.box(wall, wall_->pose, wall_->half, wall_colour, edge_width_px(camera));
+  const double face = dot(wall_->pose.centre_m, frame_.horizontal) + wall_->half.across;
+  if (dot(camera.eye(), frame_.horizontal) <= face) return;
+  const double side = dot(wall_->pose.centre_m, frame_.axis());
+  const double top = dot(wall_->pose.centre_m, frame_.up) + wall_->half.along;
+  add_shadows(layers, casters, {frame_.horizontal, face},
+              {{frame_.axis(), side - wall_->half.hinge},
+               {-1 * frame_.axis(), -side - wall_->half.hinge},
+               {frame_.up, ground_m_},
+               {-1 * frame_.up, -top}},
+              towards_lamp);
+}
+
+void PendulumStage::add_links(Layer& links, const Brush& brush, const Pose& pose, double edge_px) const {
   for (std::size_t i = 0; i < pose.size(); ++i) {
     if (!drawable(pose[i])) continue;
     const Block link = block(pose, i);
@@ -157,21 +157,38 @@ std::vector<Layer> PendulumStage::layers(const Camera& camera, const Pose& pose,
       brush.box(links, link.pose, link.half, colour_in_turn(i), edge_px);
     }
   }
-  add_hinges(links, brush, pose, edge_px);
+}
 
+void PendulumStage::add_wires(Layer& wires, const Brush& brush, const Pose& pose, const Colour& colour,
+                              double px) const {
+  for (std::size_t i = 0; i < pose.size(); ++i) {
+    if (!drawable(pose[i])) continue;
+    const Block link = block(pose, i);
+    if (links_[i].shape == LinkShape::sphere) {
+      const Block held_by = rod(pose, i);
+      brush.wire(wires, held_by.pose, held_by.half, colour, px);
+      brush.circles(wires, link.pose, link.half.along, colour, px);
+    } else {
+      brush.wire(wires, link.pose, link.half, colour, px);
+    }
+  }
+}
+
+std::vector<Layer> PendulumStage::layers(const Camera& camera, const Pose& pose, const Pose* outline) const {
+  const Vec3 towards_lamp = unit(0.55 * frame_.horizontal + 0.75 * frame_.axis() + 1.1 * frame_.up);
+  const Brush brush(camera, frame_.up, frame_.hinge_m + lamp_distance * reach_m_ * towards_lamp);
+  const double edge_px = edge_width_px(camera);
+  const std::vector<Quad> casters = casters_of(pose);
+
+  std::vector<Layer> layers;
+  add_floor(layers, brush, camera, casters, towards_lamp);
+  if (wall_) add_wall(layers, brush, camera, casters, towards_lamp);
+  Layer& links = layers.emplace_back();
+  add_links(links, brush, pose, edge_px);
+  add_hinges(links, brush, pose, edge_px);
   if (outline != nullptr) {
     add_outline(layers, edge_px, [&](Layer& wires, const Colour& colour, double px) {
-      for (std::size_t i = 0; i < outline->size(); ++i) {
-        if (!drawable((*outline)[i])) continue;
-        const Block link = block(*outline, i);
-        if (links_[i].shape == LinkShape::sphere) {
-          const Block held_by = rod(*outline, i);
-          brush.wire(wires, held_by.pose, held_by.half, colour, px);
-          brush.circles(wires, link.pose, link.half.along, colour, px);
-        } else {
-          brush.wire(wires, link.pose, link.half, colour, px);
-        }
-      }
+      add_wires(wires, brush, *outline, colour, px);
     });
   }
   return layers;

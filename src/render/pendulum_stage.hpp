@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "render/brush.hpp"
+#include "render/scenery.hpp"
 #include "render/stage.hpp"
 
 namespace odeval::render {
@@ -25,6 +26,13 @@ class PendulumStage final : public Stage {
   bool drawable(const LinkPose& link) const;
   Block block(const Pose& pose, std::size_t link) const;
   Block rod(const Pose& pose, std::size_t link) const;
+  std::vector<Quad> casters_of(const Pose& pose) const;
+  void add_floor(std::vector<Layer>& layers, const Brush& brush, const Camera& camera, std::vector<Quad> casters,
+                 const Vec3& towards_lamp) const;
+  void add_wall(std::vector<Layer>& layers, const Brush& brush, const Camera& camera, const std::vector<Quad>& casters,
+                const Vec3& towards_lamp) const;
+  void add_links(Layer& links, const Brush& brush, const Pose& pose, double edge_px) const;
+  void add_wires(Layer& wires, const Brush& brush, const Pose& pose, const Colour& colour, double px) const;
   void add_hinges(Layer& layer, const Brush& brush, const Pose& pose, double edge_px) const;
 
   PlanarFrame frame_;

@@ -125,8 +125,8 @@ void add_ground(std::vector<Layer>& layers, const Brush& brush, const Camera& ca
   layers.push_back(std::move(grid));
 }
 
-void add_shadows(std::vector<Layer>& layers, const std::vector<Quad>& casters, const HalfSpace& plane,
-                 const std::vector<HalfSpace>& within, const Vec3& towards_lamp) {
+void add_shadows(std::vector<Layer>& layers, const std::vector<Quad>& casters, const ClipPlane& plane,
+                 const std::vector<ClipPlane>& within, const Vec3& towards_lamp) {
   for (const Vec3& towards : lamp_directions(towards_lamp)) {
     const double fall = dot(plane.normal, towards);
     Layer shadow{Layer::Rule::shade, {}, within};

@@ -34,8 +34,8 @@ void add_ground(std::vector<Layer>& layers, const Brush& brush, const Camera& ca
                 double reach_m);
 
 /// What the quads hide of a round lamp in the direction `towards_lamp` from a plane, within the half spaces.
-void add_shadows(std::vector<Layer>& layers, const std::vector<Quad>& casters, const HalfSpace& plane,
-                 const std::vector<HalfSpace>& within, const Vec3& towards_lamp);
+void add_shadows(std::vector<Layer>& layers, const std::vector<Quad>& casters, const ClipPlane& plane,
+                 const std::vector<ClipPlane>& within, const Vec3& towards_lamp);
 
 /// A second pose's edges, with a halo, fainter where hidden. `wires` draws them into a layer.
 void add_outline(std::vector<Layer>& layers, double edge_px,
