@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "odeval/scenario.hpp"
+#include "reference/point_in_plane.hpp"
 
 namespace odeval::reference {
 
@@ -70,13 +71,11 @@ class LongChain {
   Real kinetic(const State& y) const {
     turn(y);
     Real twice = 0;
-    InPlane hinge{0, 0};  // velocity
+    PointInPlane<Real> hinge{};
     for (const Moving& link : links_) {
-      const Real v0 = hinge[0] - link.centre * link.rate * link.sine;
-      const Real v1 = hinge[1] + link.centre * link.rate * link.cosine;
-      twice += link.mass * (v0 * v0 + v1 * v1) + link.inertia * link.rate * link.rate;
-      hinge[0] -= link.length * link.rate * link.sine;
-      hinge[1] += link.length * link.rate * link.cosine;
+      const PointInPlane<Real> centre = link.point(hinge, link.centre);
+      twice += link.mass * (centre.vx * centre.vx + centre.vy * centre.vy) + link.inertia * link.rate * link.rate;
+      hinge = link.point(hinge, link.length);
     }
     return twice / 2;
   }
@@ -85,10 +84,10 @@ class LongChain {
   Real potential(const State& y) const {
     turn(y);
     Real sum = 0;
-    Real height = 0;
+    PointInPlane<Real> hinge{};
     for (const Moving& link : links_) {
-      sum += link.mass * gravity_ * (height + link.centre * link.sine);
-      height += link.length * link.sine;
+      sum += link.mass * gravity_ * link.point(hinge, link.centre).y;
+      hinge = link.point(hinge, link.length);
     }
     return sum;
   }
@@ -103,6 +102,10 @@ class LongChain {
     Real inertia_seen, load;  // D, u
     InPlane near;             // p
     Real acceleration;        // a''
+
+    PointInPlane<Real> point(const PointInPlane<Real>& near_hinge, const Real& s) const {
+      return near_hinge.along(s, cosine, sine, rate);
+    }
   };
 
   void turn(const State& y) const {

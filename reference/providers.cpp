@@ -1,7 +1,5 @@
 #include "reference/providers.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 
@@ -13,22 +11,21 @@
 namespace odeval::reference {
 namespace {
 
-/// Bodies without joint coordinates. (One link has a closed form as well, which shows no more digits than CVODE and no
-/// bound on its error: there `analytic` is a method to compare.)
-bool bodies_in_closed_form(const Scenario& scenario) { return !scenario.planar && has_body_motion(scenario); }
+constexpr Features known_of_chains{Feature::several_links, Feature::many_links, Feature::wall,
+                                   Feature::wall_of_several};
 
-bool is_free(const Joint& joint) { return !joint.motor && !joint.stop; }
-
+/// Any number of links; against a wall one box, or two balls.
 bool chain_in_plane(const Scenario& scenario) {
-  if (!scenario.planar || !std::ranges::all_of(scenario.mechanism.joints, is_free)) return false;
+  if (!scenario.planar || !(features_of(scenario) - known_of_chains).empty()) return false;
   const PlanarView& view = *scenario.planar;
   const LinkShape touches = view.links.size() == 1 ? LinkShape::box : LinkShape::sphere;
   const auto may_touch = [&](const Link& link) { return link.shape == touches; };
   return !view.wall || (view.links.size() <= 2 && std::ranges::all_of(view.links, may_touch));
 }
 
+// One link has a closed form as well, without a bound on its error: there `analytic` is a method to compare.
 constexpr std::array table{
-    ReferenceProvider{"analytic", bodies_in_closed_form, solve_body_reference},
+    ReferenceProvider{"analytic", has_body_motion, solve_body_reference},
     ReferenceProvider{"lagrange-cvode", chain_in_plane, solve_reference},
 };
 
@@ -40,12 +37,11 @@ const ReferenceProvider& provider_for(const Scenario& scenario) {
   const auto* const found =
       std::ranges::find_if(table, [&](const ReferenceProvider& provider) { return provider.supports(scenario); });
   if (found != table.end()) return *found;
-  const Mechanism& mechanism = scenario.mechanism;
-  throw UserError(
-      fmt::format("{}: no reference knows the motion of bodies: {}, joints: {}, contacts: {} together; there is one "
-                  "for chains in a "
-                  "plane, for bodies alone, for one joint, and for contacts with one plane",
-                  scenario.file, mechanism.bodies.size(), mechanism.joints.size(), mechanism.contacts.size()));
+  const Features missing = features_of(scenario) - (known_of_bodies | known_of_chains);
+  if (!missing.empty()) throw UserError(scenario.file + ": there is no reference: they know " + lacking(missing));
+  throw UserError(scenario.file + ": there is no reference for these bodies, joints and contacts together: they know " +
+                  "chains in a plane (against a wall one box, or two balls), bodies alone, one or two bodies on one " +
+                  "joint, balls on a plane, and a box that rubs on one");
 }
 
 }  // namespace odeval::reference

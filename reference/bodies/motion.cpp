@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
+#include <variant>
 
 #include "odeval/error.hpp"
 #include "reference/bodies/balls.hpp"
@@ -18,32 +20,39 @@ struct MotionRow {
   std::unique_ptr<BodyMotion> (*make)(const Scenario&);
 };
 
-bool uniform(const Body& body) { return !body.inertia_kgm2; }
-
 bool bodies_alone(const Mechanism& mechanism) {
-  return !mechanism.bodies.empty() && std::ranges::all_of(mechanism.bodies, uniform) && mechanism.joints.empty() &&
-         mechanism.contacts.empty();
+  return !mechanism.bodies.empty() && mechanism.joints.empty() && mechanism.contacts.empty();
 }
 
-/// One or two bodies on one joint, which nothing drives or stops.
+/// One or two bodies on one joint.
 bool one_joint(const Mechanism& mechanism) {
   if (mechanism.joints.size() != 1 || !mechanism.contacts.empty()) return false;
   const Joint& joint = mechanism.joints.front();
-  return joint.first == 0 && joint.carried() + 1 == mechanism.bodies.size() && !joint.motor && !joint.stop;
+  return joint.first == 0 && joint.carried() + 1 == mechanism.bodies.size();
 }
 
-/// The one contact of bodies with a plane; nothing where there is more to touch, or joints hold them.
-const Contact* contact_with_plane(const Mechanism& mechanism) {
-  if (!mechanism.joints.empty() || mechanism.obstacles.size() != 1 || mechanism.contacts.size() != 1) return nullptr;
-  return std::holds_alternative<HalfSpace>(mechanism.obstacles[0].shape) ? &mechanism.contacts[0] : nullptr;
+/// A plane, and the one contact of every body with it; nothing where there is more to touch, or joints hold bodies.
+struct Ground {
+  const HalfSpace* plane;
+  const Contact* contact;
+};
+std::optional<Ground> only_ground(const Mechanism& mechanism) {
+  if (!mechanism.joints.empty() || mechanism.obstacles.size() != 1 || mechanism.contacts.size() != 1) return {};
+  const Obstacle& obstacle = mechanism.obstacles.front();
+  const Contact& contact = mechanism.contacts.front();
+  const auto touches = [&](const Body& body) { return contact.is_between(body.name, obstacle.name); };
+  const auto* const plane = std::get_if<HalfSpace>(&obstacle.shape);
+  if (plane == nullptr || !std::ranges::all_of(mechanism.bodies, touches)) return {};
+  return Ground{plane, &contact};
 }
+/// Down a plane that falls along x.
 bool rubbing(const Mechanism& mechanism) {
-  const Contact* const contact = contact_with_plane(mechanism);
-  return contact != nullptr && contact->friction;
+  const auto ground = only_ground(mechanism);
+  return ground && ground->contact->friction && ground->plane->normal[1] == 0;
 }
 bool bouncing(const Mechanism& mechanism) {
-  const Contact* const contact = contact_with_plane(mechanism);
-  return contact != nullptr && !contact->friction;
+  const auto ground = only_ground(mechanism);
+  return ground && !ground->contact->friction;
 }
 
 /// The one table of true motions; the first that supports a mechanism is its own.
@@ -54,16 +63,17 @@ constexpr std::array motions{
     MotionRow{bodies_alone, make_free_bodies},
 };
 
-auto find_motion(const Mechanism& mechanism) {
-  return std::ranges::find_if(motions, [&](const MotionRow& motion) { return motion.supports(mechanism); });
+auto find_motion(const Scenario& scenario) {
+  const bool known = !scenario.planar && (features_of(scenario) - known_of_bodies).empty();
+  return std::ranges::find_if(motions, [&](const MotionRow& row) { return known && row.supports(scenario.mechanism); });
 }
 
 }  // namespace
 
-bool has_body_motion(const Scenario& scenario) { return find_motion(scenario.mechanism) != motions.end(); }
+bool has_body_motion(const Scenario& scenario) { return find_motion(scenario) != motions.end(); }
 
 std::unique_ptr<BodyMotion> make_body_motion(const Scenario& scenario) {
-  const auto* const row = find_motion(scenario.mechanism);
+  const auto* const row = find_motion(scenario);
   if (row == motions.end()) {
     throw UserError(scenario.name + ": no closed form is known for these bodies, joints and contacts together");
   }

@@ -38,7 +38,11 @@ class BodyMotion {
   virtual std::string origin() const = 0;
 };
 
-/// Whether there is a closed form for bodies, joints and contacts like the scenario's.
+/// What closed forms of bodies know.
+inline constexpr Features known_of_bodies{Feature::space, Feature::ground, Feature::friction, Feature::joints_in_space};
+
+/// Whether there is a closed form for bodies, joints and contacts like the scenario's. A chain in a plane has none
+/// here.
 bool has_body_motion(const Scenario& scenario);
 
 /// Throws UserError when the scenario asks for what has no closed form.

@@ -10,16 +10,12 @@ using Eigen::Vector3d;
 
 std::vector<LinkInPlane> links_at_start(const PlanarView& view) {
   std::vector<LinkInPlane> links;
-  LinkInPlane near{};  // the end of the link before: its place and velocity, and that link's angle and rate
+  LinkInPlane hinge{};  // a link at its near hinge
   for (std::size_t i = 0; i < view.links.size(); ++i) {
-    const double angle = near.angle + view.q0[i];
-    const double rate = near.rate + view.qd0[i];
-    const auto along = [&](double s) {
-      return LinkInPlane{near.x + s * std::cos(angle),         near.y + s * std::sin(angle),         angle,
-                         near.vx - s * rate * std::sin(angle), near.vy + s * rate * std::cos(angle), rate};
-    };
-    links.push_back(along(view.links[i].centre_m()));
-    near = along(view.links[i].length_m);
+    hinge.angle += view.q0[i];
+    hinge.rate += view.qd0[i];
+    links.push_back(hinge.along(view.links[i].centre_m()));
+    hinge = hinge.along(view.links[i].length_m);
   }
   return links;
 }

@@ -1,18 +1,24 @@
 #pragma once
 // The links of a pendulum as rigid bodies in their plane of motion, and how that plane lies in the world.
 #include <Eigen/Core>
+#include <cmath>
 #include <numbers>
 #include <vector>
 
 #include "odeval/motion.hpp"
 #include "odeval/planar_view.hpp"
+#include "reference/point_in_plane.hpp"
 
 namespace odeval::reference::maximal {
 
-/// One link: centre of mass from the first hinge (x along PlanarFrame::horizontal, y along up), absolute angle.
-struct LinkInPlane {
-  double x, y, angle;
-  double vx, vy, rate;
+/// One link: a point of it, at first the centre of mass.
+struct LinkInPlane : PointInPlane<double> {
+  double angle;  // rad, absolute
+  double rate;   // rad/s
+
+  LinkInPlane along(double s) const {
+    return {PointInPlane::along(s, std::cos(angle), std::sin(angle), rate), angle, rate};
+  }
 };
 
 /// The links at t = 0, joints closed.

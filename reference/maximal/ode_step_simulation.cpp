@@ -53,8 +53,8 @@ void add_links(OdeStep& step, const PlaneInWorld& plane, const PlanarView& view,
   std::size_t i = 0;
   for (const LinkInPlane& link : links_at_start(view)) {
     // The joint is the far end of the link before; the first hinge is the plane's origin.
-    const Eigen::Vector3d anchor =
-        plane.point(before.x + beyond * std::cos(before.angle), before.y + beyond * std::sin(before.angle));
+    const LinkInPlane end = before.along(beyond);
+    const Eigen::Vector3d anchor = plane.point(end.x, end.y);
     const int number = step.add_body(body_of(plane, view.links[i], link));
     for (int copy = 0; copy < hinges; ++copy) {
       // As in ODE's scene: the first link is body 0 of its hinge, every other link is body 1, after its parent.
