@@ -153,7 +153,7 @@ struct Mechanism {
   std::vector<Body> bodies;         // in the order of columns in traces
   std::vector<Joint> joints;        // in the order in which an engine is given them
   std::vector<Obstacle> obstacles;  // what stands still
-  std::vector<Contact> contacts;    // who may touch whom; empty: nobody anybody
+  std::vector<Contact> contacts;    // which of them touch; empty: none
 };
 
 /// A body's joint for tables that show one force a body: the one that carries it, or else the first that it is part of.

@@ -40,7 +40,7 @@ void add_method_option(Flags& flags, std::vector<std::string>& methods);
 void add_out_option(Flags& flags, std::string& out);
 
 /// The methods to run: those asked for, or else the scenario's own list. A method of that list that is missing in this
-/// build or does not do the problem is left out with a line on stderr; one that was asked for is a UserError.
+/// build is left out with a line on stderr; one that was asked for is a UserError.
 std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::string>& asked, const Scenario& scenario);
 
 /// A scenario in the methods chosen for it.

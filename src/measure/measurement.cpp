@@ -8,8 +8,8 @@ std::size_t rows_until(const Column& t, double until_s) {
   return static_cast<std::size_t>(std::upper_bound(t.begin(), t.end(), until_s + rounding_s) - t.begin());
 }
 
-/// The first sample that the reference does not know to the angle of divergence: nobody can tell who is lost from
-/// there.
+/// The first sample that the reference does not know to the angle of divergence: from there on no run can be
+/// called lost.
 std::optional<double> reference_lost_at(const Measurement& of) {
   if (!of.has_angle_errors()) return std::nullopt;
   const Column& known_to = of.reference->uncertainty_q;

@@ -33,7 +33,7 @@ std::optional<double> uncertainty_of(const Tolerance& tolerance, const Metrics& 
 enum class Judgement { kept, failed, undecided };
 
 /// Whether the metrics, taken until the tolerance's time, keep it. An error is judged with the reference's uncertainty
-/// on top: where a bound lies within it, nobody can tell. A metric without meaning keeps nothing.
+/// on top: where a bound lies within it, the verdict is undecided. A metric without a value fails.
 Judgement judge(const Tolerance& tolerance, const Metrics& metrics);
 
 }  // namespace odeval

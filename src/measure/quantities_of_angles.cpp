@@ -43,10 +43,10 @@ std::optional<double> reference_uncertainty(const Measurement& of) {
 // A trace that ended early is lost in the first row it lacks.
 std::optional<double> divergence_time(const Measurement& of) {
   if (!of.has_angle_errors()) return std::nullopt;
-  const std::optional<double>& nobody_knows = of.taken.reference_lost_at;
+  const std::optional<double>& unknown_from = of.taken.reference_lost_at;
   const std::size_t row = first_lost_row(of);
-  if (row < of.rows && !(nobody_knows && of.trace.t[row] >= *nobody_knows)) return of.trace.t[row];
-  if (!of.ended_early() || nobody_knows) return std::nullopt;
+  if (row < of.rows && !(unknown_from && of.trace.t[row] >= *unknown_from)) return of.trace.t[row];
+  if (!of.ended_early() || unknown_from) return std::nullopt;
   return of.reference->trace.t[of.rows];
 }
 

@@ -29,7 +29,7 @@ const Metrics* half_a_step(const RunSummary& run) {
   return found;
 }
 
-/// What nobody would try unasked.
+/// Suggests the half-step start where it would take most of the error away.
 std::string half_step_hint(const std::vector<RunSummary>& runs) {
   for (const RunSummary& run : runs) {
     if (const Metrics* const metrics = half_a_step(run)) {

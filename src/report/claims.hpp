@@ -16,7 +16,7 @@ namespace odeval::report {
 enum class Relation { at_most, at_least };
 
 /// "finding <= bound" or "finding >= bound". With its uncertainty the finding has to lie wholly on one side; where the
-/// bound lies within it, nobody can tell.
+/// bound lies within it, the condition is undecided.
 struct Condition {
   std::string_view finding;
   Relation relation;

@@ -62,7 +62,7 @@ class Worker {
   long group() const { return group_; }  // of the last given
   long done() const { return done_; }
   double begun_at_s() const { return begun_at_s_; }  // the first of the tasks
-  /// Time in which nobody could work does not count.
+  /// Time in which no worker could run does not count.
   void excuse(double seconds) { begun_at_s_ = std::min(begun_at_s_ + seconds, steady_seconds()); }
   /// Mean time of what it has done, s.
   double pace_s() const;

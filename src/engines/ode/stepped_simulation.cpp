@@ -55,7 +55,7 @@ void SteppedSimulation::move(Recorder& recorder, Outcome& outcome) {
       ++outcome.steps;
       if (!recorder) continue;
       angles_.follow();
-      // No step led to t = 0: its sample shows the forces of the first step instead of zeros nobody measured.
+      // No step led to t = 0: its sample shows the forces of the first step.
       if (outcome.steps == 1) record_forces(recorder.at(0));
     }
     if (recorder) record(recorder.next());
