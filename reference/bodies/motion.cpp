@@ -24,11 +24,17 @@ bool bodies_alone(const Mechanism& mechanism) {
   return !mechanism.bodies.empty() && mechanism.joints.empty() && mechanism.contacts.empty();
 }
 
+/// Whether ODE's law for a joint that is pulled open is known: a spring between two points, however they are turned.
+struct HoldsAPoint {
+  bool operator()(const BallJoint&) const { return true; }
+  bool operator()(const HingeJoint&) const { return true; }
+};
+
 /// One or two bodies on one joint.
 bool one_joint(const Mechanism& mechanism) {
   if (mechanism.joints.size() != 1 || !mechanism.contacts.empty()) return false;
   const Joint& joint = mechanism.joints.front();
-  return joint.first == 0 && joint.carried() + 1 == mechanism.bodies.size();
+  return std::visit(HoldsAPoint{}, joint.kind) && joint.first == 0 && joint.carried() + 1 == mechanism.bodies.size();
 }
 
 /// A plane, and the one contact of every body with it; nothing where there is more to touch, or joints hold bodies.

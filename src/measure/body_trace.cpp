@@ -64,6 +64,14 @@ double squared_difference(const std::array<Column, N>& a, const std::array<Colum
   return sum;
 }
 
+/// How far a joint is open, by what lies between its halves.
+struct Gap {
+  const Vec3& between;
+
+  double operator()(const BallJoint&) const { return length(between); }
+  double operator()(const HingeJoint&) const { return length(between); }
+};
+
 /// A joint's halves: one on the first body; the other on the second, or in the world.
 class JointHalves {
  public:
@@ -76,7 +84,7 @@ class JointHalves {
 
   double gap(std::span<const BodyState> bodies) const {
     const Vec3 other = joint_.second ? half(1, bodies[*joint_.second]) : anchor_;
-    return distance(half(0, bodies[joint_.first]), other);
+    return std::visit(Gap{half(0, bodies[joint_.first]) - other}, joint_.kind);
   }
 
  private:

@@ -86,17 +86,24 @@ struct MakeJoint {
   }
 };
 
-void drive(dJointID hinge, const Joint& what) {
-  if (what.motor) {
-    dJointSetHingeParam(hinge, dParamVel, real(what.motor->speed_rad_s));
-    dJointSetHingeParam(hinge, dParamFMax, real(what.motor->most_torque_Nm));
+/// Motor and stops, where the kind has an axis for them.
+struct Drive {
+  dJointID joint;
+  const Joint& what;
+
+  void operator()(const BallJoint&) const {}
+  void operator()(const HingeJoint&) const {
+    if (what.motor) {
+      dJointSetHingeParam(joint, dParamVel, real(what.motor->speed_rad_s));
+      dJointSetHingeParam(joint, dParamFMax, real(what.motor->most_torque_Nm));
+    }
+    if (what.stop) {
+      dJointSetHingeParam(joint, dParamLoStop, real(what.stop->low_rad));
+      dJointSetHingeParam(joint, dParamHiStop, real(what.stop->high_rad));
+      dJointSetHingeParam(joint, dParamBounce, real(what.stop->restitution));
+    }
   }
-  if (what.stop) {
-    dJointSetHingeParam(hinge, dParamLoStop, real(what.stop->low_rad));
-    dJointSetHingeParam(hinge, dParamHiStop, real(what.stop->high_rad));
-    dJointSetHingeParam(hinge, dParamBounce, real(what.stop->restitution));
-  }
-}
+};
 
 struct MakeObstacle {
   dSpaceID space;
@@ -136,7 +143,7 @@ dJointID make_joint(dWorldID world, const Joint& what, const std::vector<dBodyID
   const Vec3& start = starts[what.first].position_m;
   put(first, start - what.opening_m);
   const dJointID joint = std::visit(MakeJoint{world, first, what.second ? bodies[*what.second] : nullptr}, what.kind);
-  drive(joint, what);
+  std::visit(Drive{joint, what}, what.kind);
   put(first, start);
   return joint;
 }
