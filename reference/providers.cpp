@@ -4,9 +4,9 @@
 #include <array>
 
 #include "odeval/error.hpp"
-#include "reference/bodies/motion.hpp"
-#include "reference/bodies/solution.hpp"
-#include "reference/reference_solution.hpp"
+#include "reference/closed_form/body_motion.hpp"
+#include "reference/closed_form/body_solution.hpp"
+#include "reference/planar/reference_solution.hpp"
 
 namespace odeval::reference {
 namespace {

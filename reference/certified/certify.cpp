@@ -14,9 +14,9 @@
 
 #include "odeval/error.hpp"
 #include "reference/certified/motions.hpp"
-#include "reference/equations.hpp"
-#include "reference/extrapolation.hpp"
-#include "reference/quad.hpp"
+#include "reference/planar/equations.hpp"
+#include "reference/planar/extrapolation.hpp"
+#include "reference/planar/quad.hpp"
 
 namespace {
 

@@ -7,7 +7,7 @@
 
 #include "odeval/motion.hpp"
 #include "odeval/planar_view.hpp"
-#include "reference/point_in_plane.hpp"
+#include "reference/planar/point_in_plane.hpp"
 
 namespace odeval::reference::maximal {
 

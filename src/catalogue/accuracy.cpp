@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "odeval/error.hpp"
-#include "reference/reference_solution.hpp"
+#include "reference/planar/reference_solution.hpp"
 
 namespace odeval::catalogue {
 namespace {

@@ -7,10 +7,10 @@
 #include "measure/conditioning.hpp"
 #include "measure/metrics.hpp"
 #include "model/generate.hpp"
-#include "reference/bodies/solution.hpp"
-#include "reference/generalized_trace.hpp"
+#include "reference/closed_form/body_solution.hpp"
+#include "reference/planar/generalized_trace.hpp"
 #include "reference/providers.hpp"
-#include "reference/reference_solution.hpp"
+#include "reference/planar/reference_solution.hpp"
 
 namespace odeval::catalogue {
 namespace {

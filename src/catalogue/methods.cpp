@@ -7,14 +7,14 @@
 #include "engines/ode/module.hpp"
 #include "model/nearest.hpp"
 #include "odeval/error.hpp"
-#include "reference/analytic.hpp"
-#include "reference/cvode.hpp"
-#include "reference/dh_ode45.hpp"
-#include "reference/fixed_step.hpp"
+#include "reference/closed_form/analytic.hpp"
+#include "reference/planar/cvode.hpp"
+#include "reference/dh/dh_ode45.hpp"
+#include "reference/planar/fixed_step.hpp"
 #include "reference/maximal/fixed_step.hpp"
 #include "reference/maximal/ode_step_simulation.hpp"
-#include "reference/ode45.hpp"
-#include "reference/quad.hpp"
+#include "reference/planar/ode45.hpp"
+#include "reference/planar/quad.hpp"
 
 namespace odeval::catalogue {
 namespace {

@@ -8,8 +8,8 @@
 #include "experiments/all.hpp"
 #include "experiments/parts.hpp"
 #include "model/generate.hpp"
-#include "reference/analytic.hpp"
-#include "reference/wall_bounce.hpp"
+#include "reference/closed_form/analytic.hpp"
+#include "reference/planar/wall_bounce.hpp"
 
 namespace odeval::experiments {
 namespace {

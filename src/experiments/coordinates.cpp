@@ -8,7 +8,7 @@
 #include "experiments/parts.hpp"
 #include "measure/order.hpp"
 #include "measure/spread.hpp"
-#include "reference/projected_step.hpp"
+#include "reference/planar/projected_step.hpp"
 
 namespace odeval::experiments {
 namespace {

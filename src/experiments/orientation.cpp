@@ -1,5 +1,5 @@
 // A quaternion or a rotation matrix for the orientation of a body: claim C15.
-#include "reference/orientation.hpp"
+#include "reference/maximal/orientation.hpp"
 
 #include <fmt/format.h>
 

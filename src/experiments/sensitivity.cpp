@@ -6,8 +6,8 @@
 #include "experiments/all.hpp"
 #include "experiments/parts.hpp"
 #include "model/generate.hpp"
-#include "reference/reference_solution.hpp"
-#include "reference/sensitivity.hpp"
+#include "reference/planar/reference_solution.hpp"
+#include "reference/planar/sensitivity.hpp"
 
 namespace odeval::experiments {
 namespace {

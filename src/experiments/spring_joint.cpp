@@ -8,7 +8,7 @@
 #include "experiments/all.hpp"
 #include "experiments/parts.hpp"
 #include "measure/order.hpp"
-#include "reference/bodies/damped_oscillator.hpp"
+#include "reference/closed_form/damped_oscillator.hpp"
 
 namespace odeval::experiments {
 namespace {

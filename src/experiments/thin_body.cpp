@@ -6,7 +6,7 @@
 #include "experiments/all.hpp"
 #include "experiments/parts.hpp"
 #include "model/generate.hpp"
-#include "reference/bodies/gyroscopic_rounding.hpp"
+#include "reference/maximal/gyroscopic_rounding.hpp"
 
 namespace odeval::experiments {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "engines/ode_rk4/accurate_step.hpp"
 #include "reference/cvode_solver.hpp"
-#include "reference/dual.hpp"
+#include "reference/planar/dual.hpp"
 #include "tests/accurate/spatial_chain.hpp"
 #include "tests/accurate/worlds.hpp"
 #include "tests/check.hpp"

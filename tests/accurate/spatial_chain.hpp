@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "reference/cvode_solver.hpp"
-#include "reference/dual.hpp"
+#include "reference/planar/dual.hpp"
 
 namespace odeval::test {
 

@@ -8,8 +8,8 @@
 #include "model/find_scenario.hpp"
 #include "model/read_scenario.hpp"
 #include "odeval/error.hpp"
-#include "reference/ball_wall.hpp"
-#include "reference/reference_solution.hpp"
+#include "reference/planar/ball_wall.hpp"
+#include "reference/planar/reference_solution.hpp"
 #include "tests/check.hpp"
 #include "tests/scenarios.hpp"
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "reference/bodies/motion.hpp"
-#include "reference/bodies/solution.hpp"
+#include "reference/closed_form/body_motion.hpp"
+#include "reference/closed_form/body_solution.hpp"
 #include "tests/check.hpp"
 
 namespace odeval::test {

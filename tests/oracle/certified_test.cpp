@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "reference/certified/motions.hpp"
-#include "reference/cvode.hpp"
-#include "reference/reference_solution.hpp"
+#include "reference/planar/cvode.hpp"
+#include "reference/planar/reference_solution.hpp"
 #include "tests/check.hpp"
 #include "tests/recorded.hpp"
 

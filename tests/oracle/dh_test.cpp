@@ -7,12 +7,12 @@
 #include <random>
 #include <vector>
 
-#include "reference/dh_chain.hpp"
-#include "reference/dh_ode45.hpp"
-#include "reference/equations.hpp"
-#include "reference/generalized_trace.hpp"
-#include "reference/ode45.hpp"
-#include "reference/ode45_simulation.hpp"
+#include "reference/dh/dh_chain.hpp"
+#include "reference/dh/dh_ode45.hpp"
+#include "reference/planar/equations.hpp"
+#include "reference/planar/generalized_trace.hpp"
+#include "reference/planar/ode45.hpp"
+#include "reference/planar/ode45_simulation.hpp"
 #include "tests/check.hpp"
 #include "tests/oracle/lagrangian_chain.hpp"
 #include "tests/recorded.hpp"

@@ -6,7 +6,7 @@
 #include "catalogue/paths.hpp"
 #include "model/find_scenario.hpp"
 #include "model/read_scenario.hpp"
-#include "reference/bodies/rotation.hpp"
+#include "reference/closed_form/rotation.hpp"
 #include "reference/maximal/ode_step.hpp"
 #include "tests/check.hpp"
 #include "tests/scenarios.hpp"

@@ -8,7 +8,7 @@
 #include "model/find_scenario.hpp"
 #include "model/read_scenario.hpp"
 #include "odeval/error.hpp"
-#include "reference/bodies/motion.hpp"
+#include "reference/closed_form/body_motion.hpp"
 #include "tests/check.hpp"
 #include "tests/oracle/body_reference.hpp"
 #include "tests/scenarios.hpp"

@@ -11,8 +11,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "reference/dh_chain.hpp"
-#include "reference/dual.hpp"
+#include "reference/dh/dh_chain.hpp"
+#include "reference/planar/dual.hpp"
 
 namespace odeval::test {
 

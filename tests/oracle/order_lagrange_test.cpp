@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "model/generate.hpp"
-#include "reference/analytic.hpp"
-#include "reference/fixed_step.hpp"
-#include "reference/ode45.hpp"
+#include "reference/closed_form/analytic.hpp"
+#include "reference/planar/fixed_step.hpp"
+#include "reference/planar/ode45.hpp"
 #include "tests/check.hpp"
 #include "tests/recorded.hpp"
 

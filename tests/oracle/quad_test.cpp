@@ -8,7 +8,7 @@
 #include "model/generate.hpp"
 #include "odeval/error.hpp"
 #include "reference/certified/motions.hpp"
-#include "reference/quad.hpp"
+#include "reference/planar/quad.hpp"
 #include "tests/check.hpp"
 #include "tests/oracle/certified.hpp"
 #include "tests/recorded.hpp"

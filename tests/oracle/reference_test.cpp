@@ -1,6 +1,6 @@
 // The reference where no certified file exists: chains nobody listed, against quad precision; impacts, against an
 // energy integral; every way a link and a wall can come to terms.
-#include "reference/reference_solution.hpp"
+#include "reference/planar/reference_solution.hpp"
 
 #include <algorithm>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
@@ -13,10 +13,10 @@
 
 #include "model/generate.hpp"
 #include "odeval/error.hpp"
-#include "reference/analytic.hpp"
-#include "reference/cvode.hpp"
-#include "reference/quad.hpp"
-#include "reference/wall_contact.hpp"
+#include "reference/closed_form/analytic.hpp"
+#include "reference/planar/cvode.hpp"
+#include "reference/planar/quad.hpp"
+#include "reference/planar/wall_contact.hpp"
 #include "tests/check.hpp"
 #include "tests/recorded.hpp"
 

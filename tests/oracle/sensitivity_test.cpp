@@ -1,6 +1,6 @@
 // The state-transition matrix that CVODES carries against four truths: products of short steps of the variational
 // equations, differences of perturbed runs, Liouville's theorem, and the single pendulum's closed form.
-#include "reference/sensitivity.hpp"
+#include "reference/planar/sensitivity.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "odeval/error.hpp"
-#include "reference/analytic.hpp"
-#include "reference/cvode.hpp"
-#include "reference/dh_chain.hpp"
-#include "reference/error_spread.hpp"
+#include "reference/closed_form/analytic.hpp"
+#include "reference/dh/dh_chain.hpp"
+#include "reference/planar/cvode.hpp"
+#include "reference/planar/error_spread.hpp"
 #include "tests/check.hpp"
 #include "tests/recorded.hpp"
 #include "tests/scenarios.hpp"

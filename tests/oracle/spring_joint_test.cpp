@@ -6,7 +6,7 @@
 
 #include "measure/order.hpp"
 #include "odeval/error.hpp"
-#include "reference/bodies/damped_oscillator.hpp"
+#include "reference/closed_form/damped_oscillator.hpp"
 #include "tests/check.hpp"
 #include "tests/oracle/body_reference.hpp"
 #include "tests/scenarios.hpp"

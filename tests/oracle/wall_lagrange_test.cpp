@@ -9,12 +9,12 @@
 
 #include "model/generate.hpp"
 #include "odeval/error.hpp"
-#include "reference/analytic.hpp"
-#include "reference/equations.hpp"
-#include "reference/fixed_step.hpp"
-#include "reference/ode45.hpp"
-#include "reference/wall_bounce.hpp"
-#include "reference/wall_contact.hpp"
+#include "reference/closed_form/analytic.hpp"
+#include "reference/planar/equations.hpp"
+#include "reference/planar/fixed_step.hpp"
+#include "reference/planar/ode45.hpp"
+#include "reference/planar/wall_bounce.hpp"
+#include "reference/planar/wall_contact.hpp"
 #include "tests/check.hpp"
 #include "tests/recorded.hpp"
 

@@ -2,7 +2,7 @@
 #include <functional>
 #include <numbers>
 
-#include "reference/wall_contact.hpp"
+#include "reference/planar/wall_contact.hpp"
 #include "tests/check.hpp"
 #include "tests/scenarios.hpp"
 

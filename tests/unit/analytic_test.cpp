@@ -1,5 +1,5 @@
 // The closed form of one link: it solves the equation, keeps the energy, and agrees with 60 digits.
-#include "reference/analytic.hpp"
+#include "reference/closed_form/analytic.hpp"
 
 #include <boost/math/quadrature/tanh_sinh.hpp>
 #include <boost/math/special_functions/ellint_1.hpp>
@@ -9,8 +9,8 @@
 
 #include "model/generate.hpp"
 #include "odeval/error.hpp"
-#include "reference/wall_bounce.hpp"
-#include "reference/wall_contact.hpp"
+#include "reference/planar/wall_bounce.hpp"
+#include "reference/planar/wall_contact.hpp"
 #include "tests/check.hpp"
 
 namespace {

@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "measure/metrics.hpp"
-#include "reference/bodies/motion.hpp"
-#include "reference/bodies/rotation.hpp"
+#include "reference/closed_form/body_motion.hpp"
+#include "reference/closed_form/rotation.hpp"
 #include "tests/check.hpp"
 #include "tests/scenarios.hpp"
 

@@ -10,8 +10,8 @@
 #include <random>
 
 #include "model/generate.hpp"
-#include "reference/dual.hpp"
-#include "reference/equations.hpp"
+#include "reference/planar/dual.hpp"
+#include "reference/planar/equations.hpp"
 #include "tests/check.hpp"
 
 namespace {

@@ -1,16 +1,16 @@
 // A free body's rotation in closed form, against Euler's equations integrated in quad precision, against CVODE and
 // against what it has to conserve.
-#include "reference/bodies/free_body.hpp"
+#include "reference/closed_form/free_body.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "reference/bodies/motion.hpp"
-#include "reference/extrapolation.hpp"
-#include "reference/orientation.hpp"
-#include "reference/quad.hpp"
+#include "reference/closed_form/body_motion.hpp"
+#include "reference/maximal/orientation.hpp"
+#include "reference/planar/extrapolation.hpp"
+#include "reference/planar/quad.hpp"
 #include "tests/check.hpp"
 #include "tests/oracle/body_reference.hpp"
 

@@ -6,9 +6,9 @@
 #include <random>
 
 #include "model/problems.hpp"
-#include "reference/equations.hpp"
-#include "reference/generalized_rows.hpp"
 #include "reference/maximal/box_lcp.hpp"
+#include "reference/planar/equations.hpp"
+#include "reference/planar/generalized_state.hpp"
 #include "tests/check.hpp"
 
 namespace {
