@@ -70,7 +70,7 @@ void check_wall() {
 
   // A lossy wall, and the flag that overrides it.
   Scenario lossy = test::report_scenario("wall_pendulum", 2, 1e-3);
-  lossy.wall->restitution = 0.6;
+  change_planar(lossy, [](PlanarView& view) { view.wall->restitution = 0.6; });
   const Run half = run(lossy, 2);
   CHECK_BETWEEN(*half.metrics[quantity::max_error_q], 0, 1e-8);
   lossy.ode.bounce = 0.3;

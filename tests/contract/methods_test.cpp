@@ -1,4 +1,4 @@
-// What every method promises on every problem it claims: the same columns, finite numbers, times on the grid, the
+// What every method promises on every scenario it does: the same columns, finite numbers, times on the grid, the
 // start it was given, the same result twice.
 #include "catalogue/paths.hpp"
 #include "model/find_scenario.hpp"
@@ -16,7 +16,7 @@ std::string header_of(const Trace& trace) {
   return csv.substr(0, csv.find('\n'));
 }
 
-std::string wanted_header(std::size_t links, Coordinates coordinates) {
+std::string wanted_header(std::size_t links, bool joint_coordinates) {
   std::string header = "t";
   const auto each = [&](const std::string& name) {
     for (std::size_t i = 1; i <= links; ++i) header += "," + name + std::to_string(i);
@@ -26,7 +26,7 @@ std::string wanted_header(std::size_t links, Coordinates coordinates) {
   header += ",kinetic,potential,energy,energy_drift,gap,out_of_plane";
   each("error_q");
   header += ",contacts,condition,manipulability";
-  if (coordinates == Coordinates::generalized) return header;
+  if (joint_coordinates) return header;
   for (std::size_t i = 1; i <= links; ++i) {
     const std::string link = std::to_string(i);
     for (const char* name : {"x", "y", "z"}) header += "," + std::string(name) + link;
@@ -46,14 +46,16 @@ void check_first_force(const Trace& sparse) {
   }
 }
 
-void check_contract(const Problem& problem, const catalogue::Method& method) {
-  Scenario scenario = test::report_scenario(problem.name, 1.0, 1e-3);
-  scenario.sample_s = 1e-2;
+void check_contract(const Scenario& scenario, const catalogue::Method& method) {
   catalogue::Evaluator evaluator(scenario);
   const auto run = evaluator.evaluate(method);
-  std::printf("%s %s\n", std::string(problem.name).c_str(), std::string(method.name).c_str());
+  std::printf("%s %s\n", scenario.name.c_str(), std::string(method.name).c_str());
 
-  CHECK_EQUAL(header_of(run.trace), wanted_header(scenario.links.size(), method.coordinates));
+  const PlanarView& view = *scenario.planar;
+  const SampleShape shape = evaluator.make(method)->shape();
+  CHECK_EQUAL(shape.coordinates, shape.bodies == 0 ? view.links.size() : 0);
+  CHECK_EQUAL(shape.joints, shape.bodies);  // a link, a hinge
+  CHECK_EQUAL(header_of(run.trace), wanted_header(view.links.size(), shape.coordinates > 0));
   CHECK_EQUAL(run.trace.rows(), std::size_t{101});
   CHECK(!run.outcome.diverged);
   CHECK(run.outcome.steps > 0);
@@ -66,14 +68,14 @@ void check_contract(const Problem& problem, const catalogue::Method& method) {
   }
   // The start, to the rounding of the engine's own numbers: 1e-7 in single precision, seen through two angles.
   const bool single = method.name.ends_with("single");
-  for (std::size_t i = 0; i < scenario.q0.size(); ++i) {
-    CHECK_NEAR(run.trace.q[i][0], scenario.q0[i], single ? 1e-6 : 1e-14);
-    CHECK_NEAR(run.trace.qd[i][0], scenario.qd0[i], single ? 1e-6 : 1e-14);
+  for (std::size_t i = 0; i < view.links.size(); ++i) {
+    CHECK_NEAR(run.trace.q[i][0], view.q0[i], single ? 1e-6 : 1e-14);
+    CHECK_NEAR(run.trace.qd[i][0], view.qd0[i], single ? 1e-6 : 1e-14);
   }
   // Whatever the method, this second is followed to a tenth of a radian and a tenth of the energy.
   const Metrics metrics = evaluator.measure(run, 1.0);
   CHECK(metrics[quantity::max_error_q].value() < 0.1);
-  if (!scenario.wall || scenario.wall->restitution == 1) CHECK(*metrics[quantity::max_energy_drift] < 1.0);
+  if (!view.wall || view.wall->restitution == 1) CHECK(*metrics[quantity::max_energy_drift] < 1.0);
   CHECK(metrics[quantity::max_gap].value() <
         (method.name == "maximal-euler" ? 4e-3 : 1e-3));  // explicit Euler opens its joints: 2.9 mm
 
@@ -82,15 +84,16 @@ void check_contract(const Problem& problem, const catalogue::Method& method) {
   if (!run.trace.bodies.empty()) check_first_force(run.trace);
 }
 
-std::string wanted_body_header(const Scenario& scenario) {
+std::string wanted_body_header(const Mechanism& mechanism) {
   const auto each = [&](const char* name) {
     std::string columns;
-    for (std::size_t i = 1; i <= scenario.bodies.size(); ++i) columns += std::string(name) + std::to_string(i) + ',';
+    for (std::size_t i = 1; i <= mechanism.bodies.size(); ++i) columns += std::string(name) + std::to_string(i) + ',';
     return columns;
   };
-  const char* const own = scenario.ground ? "penetration," : scenario.joint ? "" : "angular_momentum_drift,";
-  return "t,kinetic,potential,energy,energy_drift," + std::string(scenario.joint ? "gap," : "") +
-         each("error_position") + each("error_turn") + own;
+  const bool joints = !mechanism.joints.empty();
+  const char* const own = !mechanism.obstacles.empty() ? "penetration," : joints ? "" : "angular_momentum_drift,";
+  return "t,kinetic,potential,energy,energy_drift," + std::string(joints ? "gap," : "") + each("error_position") +
+         each("error_turn") + own;
 }
 
 // Bodies as their scenario file has them, for its first tenth.
@@ -99,10 +102,11 @@ void check_bodies(Scenario scenario, const catalogue::Method& method) {
   const auto run = catalogue::Evaluator(scenario).evaluate(method);
   std::printf("%s %s\n", scenario.name.c_str(), std::string(method.name).c_str());
 
-  CHECK(header_of(run.trace).starts_with(wanted_body_header(scenario)));
+  CHECK(header_of(run.trace).starts_with(wanted_body_header(scenario.mechanism)));
   CHECK(!run.outcome.diverged);
   CHECK(run.outcome.steps > 0);
-  CHECK_EQUAL(run.trace.bodies.size(), scenario.bodies.size());
+  const std::vector<Body>& bodies = scenario.mechanism.bodies;
+  CHECK_EQUAL(run.trace.bodies.size(), bodies.size());
   for (const Column& column : parse_csv(trace_csv(run.trace), "trace").columns) {
     for (const double value : column) CHECK(std::isfinite(value));
   }
@@ -110,11 +114,11 @@ void check_bodies(Scenario scenario, const catalogue::Method& method) {
   const auto& column = run.trace.bodies[0];
   const auto changes = [](const Column& values) { return values.back() != values.front(); };
   CHECK(std::ranges::any_of(column.position, changes) || changes(column.rotation[0]));
-  for (std::size_t i = 0; i < scenario.bodies.size(); ++i) {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
     CHECK_NEAR(run.trace.error_position[i][0], 0, exact);
     CHECK_NEAR(run.trace.error_turn[i][0], 0, exact);
     for (std::size_t k = 0; k < 3; ++k) {
-      CHECK_NEAR(run.trace.bodies[i].position[k][0], scenario.bodies[i].position_m[k], exact);
+      CHECK_NEAR(run.trace.bodies[i].position[k][0], bodies[i].position_m[k], exact);
     }
   }
   const auto again = catalogue::Evaluator(scenario).evaluate(method);
@@ -159,14 +163,16 @@ int main() {
   for (const Quantity& row : quantities) names.metrics.emplace_back(row.name);
   for (const std::string& name : scenario_names(catalogue::scenario_folder())) {
     const Scenario scenario = read_scenario(find_scenario(name, catalogue::scenario_folder()), {}, names);
-    if (scenario.family() != Family::bodies) continue;
+    if (scenario.planar) continue;
     for (const std::string& method : scenario.methods) {
       if (test::in_this_build(method)) check_bodies(scenario, catalogue::find_method(method));
     }
   }
   for (const Problem& problem : test::planar_problems()) {
+    Scenario scenario = test::report_scenario(problem.name, 1.0, 1e-3);
+    scenario.sample_s = 1e-2;
     for (const catalogue::Method& method : catalogue::methods()) {
-      if (method.make != nullptr && method.claims(problem)) check_contract(problem, method);
+      if (method.make != nullptr && catalogue::does(method, scenario)) check_contract(scenario, method);
     }
   }
   check_sampling("ode-step-double");

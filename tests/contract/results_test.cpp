@@ -74,10 +74,6 @@ Results results_of(const char* name, const std::vector<Override>& settings, cons
       scenario, run.method, evaluator.reference(), trace_csv(run.trace), summary_json(summary), summary_csv({summary})};
 }
 
-double length(const Vec3& v) { return std::sqrt(dot(v, v)); }
-Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Vec3 plus(const Vec3& a, double f, const Vec3& b) { return {a[0] + f * b[0], a[1] + f * b[1], a[2] + f * b[2]}; }
-
 std::string number(std::size_t i) { return std::to_string(i + 1); }
 
 // Columns ---------------------------------------------------------------------------------------------------------
@@ -152,7 +148,7 @@ void bodies_move(const Results& results, const Table& table, std::size_t bodies)
         for (std::size_t d = 0; d < 3; ++d) rate[d].push_back(turning[d]);
         skew = std::fmax(skew, std::fabs(dot(axis, axis) - 1));
         const Vec3 third = cross(axis, table.axis(number(i), (a + 1) % 3, k));
-        skew = std::fmax(skew, length(minus(third, table.axis(number(i), (a + 2) % 3, k))));
+        skew = std::fmax(skew, length(third - table.axis(number(i), (a + 2) % 3, k)));
       }
       CHECK_NEAR(skew, 0, rounding);
       for (std::size_t d = 0; d < 3; ++d) {
@@ -172,8 +168,8 @@ struct Swing {
 Swing swing(const Scenario& s, const std::vector<double>& q, const std::vector<double>& qd) {
   Swing end;
   double a = 0, z = 0;
-  for (std::size_t i = 0; i < s.links.size(); ++i) {
-    const Link& link = s.links[i];
+  for (std::size_t i = 0; i < s.planar->links.size(); ++i) {
+    const Link& link = s.planar->links[i];
     a += q[i];
     end.spin += qd[i];
     const double c = link.centre_m(), w = end.spin;
@@ -190,7 +186,7 @@ Swing swing(const Scenario& s, const std::vector<double>& q, const std::vector<d
 /// Of a pendulum in generalized coordinates everything follows from angles and rates.
 void angles_make_a_pendulum(const Results& results, const Table& table) {
   const Scenario& s = results.scenario;
-  const std::size_t n = s.links.size();
+  const std::size_t n = s.planar->links.size();
   const auto each = [&](const char* column, std::size_t k) {
     std::vector<double> values;
     for (std::size_t i = 0; i < n; ++i) values.push_back(table[column + number(i)][k]);
@@ -224,7 +220,7 @@ void angles_make_a_pendulum(const Results& results, const Table& table) {
 }
 
 Vec3 moments_of(const Scenario& s, const Link& link) {
-  const PlanarFrame& frame = s.problem->frame;
+  const PlanarFrame& frame = s.planar->frame;
   Vec3 moments;
   const Vec3 across_plane = cross(frame.along_body, frame.across_body);
   for (std::size_t a = 0; a < 3; ++a) {
@@ -239,9 +235,9 @@ Vec3 moments_of(const Scenario& s, const Link& link) {
 /// other forces on a body.
 double missing_force(const Results& results, const Table& table, std::size_t i, double mass, const Vec3& force,
                      std::size_t k) {
-  const Vec3 gained = minus(table.vector("v", number(i), k), table.vector("v", number(i), k - 1));
-  const Vec3 all = plus(force, -mass * results.scenario.gravity, {0, 0, 1});
-  return length(plus(all, -mass / results.scenario.step_s, gained));
+  const Vec3 gained = table.vector("v", number(i), k) - table.vector("v", number(i), k - 1);
+  const Vec3 all = force + (-mass * results.scenario.gravity) * Vec3{0, 0, 1};
+  return length(all + (-mass / results.scenario.step_s) * gained);
 }
 
 // Velocities of 10 m/s, good to 1e-15, over 1 ms, of a few kg.
@@ -250,12 +246,12 @@ constexpr double newton_N = 1e-9;
 /// Of a pendulum of bodies everything follows from the bodies' columns.
 void bodies_make_a_pendulum(const Results& results, const Table& table) {
   const Scenario& s = results.scenario;
-  const PlanarFrame& frame = s.problem->frame;
-  const std::size_t n = s.links.size();
+  const PlanarFrame& frame = s.planar->frame;
+  const std::size_t n = s.planar->links.size();
   bodies_move(results, table, n);
   const auto along = [&](std::size_t i, std::size_t k) {
     Vec3 direction{};
-    for (std::size_t a = 0; a < 3; ++a) direction = plus(direction, frame.along_body[a], table.axis(number(i), a, k));
+    for (std::size_t a = 0; a < 3; ++a) direction = direction + frame.along_body[a] * table.axis(number(i), a, k);
     return direction;
   };
   const auto angle = [&](std::size_t i, std::size_t k) {
@@ -282,10 +278,10 @@ void bodies_make_a_pendulum(const Results& results, const Table& table) {
     };
   };
   const auto moving = [&](std::size_t i, std::size_t k) {
-    return kinetic(table, i, s.links[i].mass_kg, moments_of(s, s.links[i]), k);
+    return kinetic(table, i, s.planar->links[i].mass_kg, moments_of(s, s.planar->links[i]), k);
   };
   const auto lifted = [&](std::size_t i, std::size_t k) {
-    return s.links[i].mass_kg * s.gravity * (table["z" + number(i)][k] - frame.hinge_m[2]);
+    return s.planar->links[i].mass_kg * s.gravity * (table["z" + number(i)][k] - frame.hinge_m[2]);
   };
   CHECK_NEAR(off(table, "kinetic", sum(moving)), 0, rounding);
   CHECK_NEAR(off(table, "potential", sum(lifted)), 0, rounding);
@@ -294,15 +290,15 @@ void bodies_make_a_pendulum(const Results& results, const Table& table) {
     double widest = 0;
     for (std::size_t i = 0; i < n; ++i) {
       const Vec3 centre = table.vector("", number(i), k);
-      widest = std::fmax(widest, length(minus(plus(centre, -s.links[i].centre_m(), along(i, k)), anchor)));
-      anchor = plus(centre, s.links[i].beyond_centre_m(), along(i, k));
+      widest = std::fmax(widest, length((centre + -s.planar->links[i].centre_m() * along(i, k)) - anchor));
+      anchor = centre + s.planar->links[i].beyond_centre_m() * along(i, k);
     }
     return widest;
   };
   const auto beside = [&](std::size_t k) {
     double most = 0;
     for (std::size_t i = 0; i < n; ++i) {
-      most = std::fmax(most, std::fabs(dot(minus(table.vector("", number(i), k), frame.hinge_m), frame.axis())));
+      most = std::fmax(most, std::fabs(dot(table.vector("", number(i), k) - frame.hinge_m, frame.axis())));
     }
     return most;
   };
@@ -315,8 +311,8 @@ void bodies_make_a_pendulum(const Results& results, const Table& table) {
     for (std::size_t k = 1; k < table.rows(); ++k) {
       if (table["contacts"][k] > 0) continue;
       Vec3 force = table.vector("f", number(i), k);
-      if (i + 1 < n) force = minus(force, table.vector("f", number(i + 1), k));
-      worst = std::fmax(worst, missing_force(results, table, i, s.links[i].mass_kg, force, k));
+      if (i + 1 < n) force = force - table.vector("f", number(i + 1), k);
+      worst = std::fmax(worst, missing_force(results, table, i, s.planar->links[i].mass_kg, force, k));
     }
   }
   CHECK_NEAR(worst, 0, newton_N);
@@ -325,7 +321,7 @@ void bodies_make_a_pendulum(const Results& results, const Table& table) {
 /// Free bodies, bodies on a ground and bodies in a joint.
 void bodies_make_their_columns(const Results& results, const Table& table) {
   const Scenario& s = results.scenario;
-  const std::size_t n = s.bodies.size();
+  const std::size_t n = s.mechanism.bodies.size();
   bodies_move(results, table, n);
   const auto sum = [&](const auto& of) {
     return [&table, n, of](std::size_t k) {
@@ -335,10 +331,10 @@ void bodies_make_their_columns(const Results& results, const Table& table) {
     };
   };
   const auto moving = [&](std::size_t i, std::size_t k) {
-    return kinetic(table, i, s.bodies[i].mass_kg, s.bodies[i].inertia_kgm2(), k);
+    return kinetic(table, i, s.mechanism.bodies[i].mass_kg, s.mechanism.bodies[i].uniform_moments_kgm2(), k);
   };
   const auto lifted = [&](std::size_t i, std::size_t k) {
-    return s.bodies[i].mass_kg * s.gravity * table["z" + number(i)][k];
+    return s.mechanism.bodies[i].mass_kg * s.gravity * table["z" + number(i)][k];
   };
   CHECK_NEAR(off(table, "kinetic", sum(moving)), 0, rounding);
   CHECK_NEAR(off(table, "potential", sum(lifted)), 0, rounding);
@@ -347,7 +343,7 @@ void bodies_make_their_columns(const Results& results, const Table& table) {
     const BodyColumns& wanted = results.reference.trace.bodies[i];
     const auto distance = [&](std::size_t k) {
       const Vec3 there{wanted.position[0][k], wanted.position[1][k], wanted.position[2][k]};
-      return length(minus(table.vector("", number(i), k), there));
+      return length(table.vector("", number(i), k) - there);
     };
     CHECK_NEAR(off(table, "error_position" + number(i), distance), 0, rounding);
     // The angle of R R'^T: its skew part has 2 sin of it, its trace 1 + 2 cos. Small ones only to the root of rounding.
@@ -357,7 +353,7 @@ void bodies_make_their_columns(const Results& results, const Table& table) {
       for (std::size_t a = 0; a < 3; ++a) {
         const Vec3 here = table.axis(number(i), a, k);
         const Vec3 there{wanted.rotation[a][k], wanted.rotation[3 + a][k], wanted.rotation[6 + a][k]};
-        skew = plus(skew, 1, cross(there, here));
+        skew = skew + cross(there, here);
         trace += dot(here, there);
       }
       return std::atan2(length(skew), trace);
@@ -369,28 +365,29 @@ void bodies_make_their_columns(const Results& results, const Table& table) {
     Vec3 all{};
     for (std::size_t a = 0; a < 3; ++a) {
       const Vec3 axis = table.axis(number(i), a, k);
-      all = plus(all, s.bodies[i].inertia_kgm2()[a] * dot(table.vector("w", number(i), k), axis), axis);
+      all = all + (s.mechanism.bodies[i].uniform_moments_kgm2()[a] * dot(table.vector("w", number(i), k), axis)) * axis;
     }
     return all;
   };
-  if (!s.ground && !s.joint) {
-    const auto drift = [&](std::size_t i, std::size_t k) { return length(minus(momentum(i, k), momentum(i, 0))); };
+  if (s.mechanism.obstacles.empty() && s.mechanism.joints.empty()) {
+    const auto drift = [&](std::size_t i, std::size_t k) { return length(momentum(i, k) - momentum(i, 0)); };
     CHECK_NEAR(off(table, "angular_momentum_drift", sum(drift)), 0, rounding);
   }
-  if (s.ground) {
+  if (!s.mechanism.obstacles.empty()) {
     // The lowest of a box's corners, or of a ball.
-    const Vec3 up = s.ground->normal();
+    const Vec3 up = std::get<HalfSpace>(s.mechanism.obstacles[0].shape).normal;
     const auto depth = [&](std::size_t k) {
       double deepest = 0;
       for (std::size_t i = 0; i < n; ++i) {
-        const Vec3& size = s.bodies[i].size_m;
+        const Shape& shape = s.mechanism.bodies[i].shape;
+        const Vec3 size = sides_m(shape);
         const Vec3 centre = table.vector("", number(i), k);
-        if (s.bodies[i].shape == Shape::sphere) deepest = std::fmax(deepest, size[0] / 2 - dot(centre, up));
-        if (s.bodies[i].shape == Shape::sphere) continue;
+        if (is_sphere(shape)) deepest = std::fmax(deepest, size[0] / 2 - dot(centre, up));
+        if (is_sphere(shape)) continue;
         for (int corner = 0; corner < 8; ++corner) {
           Vec3 point = centre;
           for (std::size_t a = 0; a < 3; ++a) {
-            point = plus(point, (corner >> a & 1 ? 0.5 : -0.5) * size[a], table.axis(number(i), a, k));
+            point = point + ((corner >> a & 1 ? 0.5 : -0.5) * size[a]) * table.axis(number(i), a, k);
           }
           deepest = std::fmax(deepest, -dot(point, up));
         }
@@ -399,20 +396,20 @@ void bodies_make_their_columns(const Results& results, const Table& table) {
     };
     CHECK_NEAR(off(table, "penetration", depth), 0, rounding);
   }
-  if (s.joint) {
+  if (!s.mechanism.joints.empty()) {
     // No body turns here: the halves stay where they are beside the centres.
     const auto gap = [&](std::size_t k) {
-      const Vec3 moved = minus(table.vector("", "1", k), table.vector("", "1", 0));
-      const Vec3 other = n == 1 ? Vec3{} : minus(table.vector("", "2", k), table.vector("", "2", 0));
-      return length(plus(minus(moved, other), 1, s.joint->displacement_m));
+      const Vec3 moved = table.vector("", "1", k) - table.vector("", "1", 0);
+      const Vec3 other = n == 1 ? Vec3{} : (table.vector("", "2", k) - table.vector("", "2", 0));
+      return length((moved - other) + s.mechanism.joints[0].opening_m);
     };
     CHECK_NEAR(off(table, "gap", gap), 0, rounding);
     if (!results.method->name.starts_with("ode-")) return;
     double worst = 0;
     for (std::size_t i = 0; i < n; ++i) {
       for (std::size_t k = 1; k < table.rows(); ++k) {
-        worst =
-            std::fmax(worst, missing_force(results, table, i, s.bodies[i].mass_kg, table.vector("f", number(i), k), k));
+        worst = std::fmax(
+            worst, missing_force(results, table, i, s.mechanism.bodies[i].mass_kg, table.vector("f", number(i), k), k));
       }
     }
     CHECK_NEAR(worst, 0, newton_N);
@@ -424,7 +421,7 @@ void impacts_are_those_of_the_trace(const Results& results) {
   const Table table(results.csv);
   const json impacts = json::parse(results.summary)["impacts"];
   const Scenario& s = results.scenario;
-  const bool ball = s.family() == Family::bodies;
+  const bool ball = !s.planar;
   CHECK(!impacts.empty());
   for (const json& impact : impacts) {
     const auto k = static_cast<std::size_t>(std::lround(impact["t"].get<double>() / s.step_s));
@@ -439,8 +436,9 @@ void impacts_are_those_of_the_trace(const Results& results) {
     double depth = ball ? table["penetration"][k] : 0;
     for (const double side : {-0.5, 0.5}) {  // the corners at the link's end
       if (ball) continue;
-      const Vec3 end = plus(table.vector("", "1", k), s.links[0].beyond_centre_m(), table.axis("1", 0, k));
-      depth = std::fmax(depth, s.wall->face_m - plus(end, side * s.links[0].width_m, table.axis("1", 2, k))[0]);
+      const Vec3 end = table.vector("", "1", k) + s.planar->links[0].beyond_centre_m() * table.axis("1", 0, k);
+      depth = std::fmax(
+          depth, s.planar->wall->face_m - (end + (side * s.planar->links[0].width_m) * table.axis("1", 2, k))[0]);
     }
     CHECK(depth > 0);
     CHECK_NEAR(impact["depth"].get<double>(), depth, rounding);
@@ -451,7 +449,7 @@ void impacts_are_those_of_the_trace(const Results& results) {
 void check_counts(const Results& results, const Table& table, const json& run) {
   const auto steps = static_cast<long>(table.rows() - 1);
   if (results.method->order > 0) CHECK_EQUAL(run["steps"].get<long>(), steps);
-  if (results.method->name == "lagrange-rk4" && !results.scenario.wall)
+  if (results.method->name == "lagrange-rk4" && !results.scenario.planar->wall)
     CHECK_EQUAL(run["evaluations"].get<long>(), 4 * steps);
   if (results.method->name == "lagrange-euler") CHECK_EQUAL(run["evaluations"].get<long>(), steps);
   CHECK_EQUAL(run["messages"].get<long>(), 0);
@@ -459,7 +457,7 @@ void check_counts(const Results& results, const Table& table, const json& run) {
   CHECK_EQUAL(run["scenario"].get<std::string>(), results.scenario.name);
   CHECK_EQUAL(run["method"].get<std::string>(), std::string(results.method->name));
   CHECK_EQUAL(run["is_reference"].get<bool>(), results.method->name == "analytic");
-  CHECK_EQUAL(run["reference"].get<std::string>(), results.reference.described);
+  CHECK_EQUAL(run["reference"].get<std::string>(), results.reference.origin);
 }
 
 // Metrics ---------------------------------------------------------------------------------------------------------
@@ -532,18 +530,20 @@ std::map<std::string, Value> metrics_of(const Results& results, const Table& tab
       if (table["contacts"][k] > 0) continue;
       const auto& wanted = reference.joint_force[i];
       const Vec3 here = table.vector("f", number(i), k);
-      most = std::fmax(most.value_or(0), length(minus(here, {wanted[0][k], wanted[1][k], wanted[2][k]})));
+      most = std::fmax(most.value_or(0), length(here - Vec3{wanted[0][k], wanted[1][k], wanted[2][k]}));
     }
   }
 
   all["max_long_axis_spin"] = std::nullopt;
   for (std::size_t i = 0; table.has("wx" + number(i)); ++i) {
     Value& most = all["max_long_axis_spin"];
-    const bool pendulum = s.family() == Family::pendulum;
-    const Vec3& along = s.problem->frame.along_body;
+    const bool pendulum = s.planar != nullptr;
+    const Vec3& along = s.frame().along_body;
     std::size_t axis = 0;  // along the longest side; of equal ones the last
     for (std::size_t a = 1; a < 3; ++a) {
-      if (pendulum ? along[a] != 0 : s.bodies[i].size_m[a] >= s.bodies[i].size_m[axis]) axis = a;
+      if (pendulum ? along[a] != 0
+                   : sides_m(s.mechanism.bodies[i].shape)[a] >= sides_m(s.mechanism.bodies[i].shape)[axis])
+        axis = a;
     }
     for (std::size_t k = 0; k < rows; ++k) {
       double spin = dot(table.vector("w", number(i), k), table.axis(number(i), axis, k));
@@ -556,10 +556,10 @@ std::map<std::string, Value> metrics_of(const Results& results, const Table& tab
   }
 
   all["rest_time"] = std::nullopt;
-  if (s.ground) {
+  if (!s.planar && !s.mechanism.obstacles.empty()) {
     std::size_t moves = rows;  // the last row in which any does
     for (std::size_t k = 0; k < rows; ++k) {
-      for (std::size_t i = 0; i < s.bodies.size(); ++i) {
+      for (std::size_t i = 0; i < s.mechanism.bodies.size(); ++i) {
         if (length(table.vector("v", number(i), k)) > 1e-3) moves = k;
       }
     }
@@ -789,10 +789,10 @@ Results check_results(const char* name, const std::vector<Override>& settings, c
   const json run = json::parse(results.summary);
   check_times(results, table);
   energies_add_up(table);
-  if (results.scenario.family() == Family::bodies) {
+  if (!results.scenario.planar) {
     bodies_make_their_columns(results, table);
   } else {
-    for (std::size_t i = 0; i < results.scenario.links.size(); ++i) {
+    for (std::size_t i = 0; i < results.scenario.planar->links.size(); ++i) {
       const Column& rate = table["qd" + number(i)];
       check_rate(table["q" + number(i)], rate, results.scenario.step_s, largest_step(rate));
       const Column& truth = results.reference.trace.q[i];

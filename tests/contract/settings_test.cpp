@@ -142,7 +142,7 @@ Runs runs_of(const Stage& stage, const std::vector<Override>& settings) {
   runs['R'].trace = text_of(evaluator.reference().trace);
   for (const auto& [letter, name] : letters) {
     const catalogue::Method& method = catalogue::find_method(name);
-    if (!method.claims(*scenario.problem)) continue;
+    if (!catalogue::does(method, scenario)) continue;
     const auto run = evaluator.evaluate(method);
     runs[letter] = {text_of(run.trace), json::parse(summary_json(catalogue::summarise(run, evaluator)))["settings"]};
   }
@@ -238,7 +238,7 @@ void settings_act() {
         const Scenario scenario = read(stages[i]);
         const catalogue::Method& method = catalogue::find_method(name);
         read_somewhere =
-            read_somewhere || (method.claims(*scenario.problem) && catalogue::reads(method, row.key, scenario));
+            read_somewhere || (catalogue::does(method, scenario) && catalogue::reads(method, row.key, scenario));
         moved = moved || std::string_view(row.moves[i]).find(letter) != std::string_view::npos;
       }
       const std::string key = row.key;

@@ -16,9 +16,6 @@
 
 using namespace odeval;
 using namespace odeval::render;
-using odeval::render::operator+;
-using odeval::render::operator-;
-using odeval::render::operator*;
 
 namespace {
 
@@ -33,13 +30,13 @@ struct Segment {
 };
 
 std::vector<Segment> segments(const Scenario& scenario, const Trace& trace, std::size_t row) {
-  const PlanarFrame& frame = scenario.problem->frame;
+  const PlanarFrame& frame = scenario.frame();
   std::vector<Segment> all;
   Vec3 near = frame.hinge_m;
   double angle = 0;
-  for (std::size_t i = 0; i < scenario.links.size(); ++i) {
+  for (std::size_t i = 0; i < scenario.planar->links.size(); ++i) {
     angle += trace.q[i][row];
-    const double reach = scenario.links[i].length_m;
+    const double reach = scenario.planar->links[i].length_m;
     const Vec3 far = near + (reach * std::cos(angle)) * frame.horizontal + (reach * std::sin(angle)) * frame.up;
     all.push_back({near, far, -std::sin(angle) * frame.horizontal + std::cos(angle) * frame.up});
     near = far;
@@ -49,9 +46,9 @@ std::vector<Segment> segments(const Scenario& scenario, const Trace& trace, std:
 
 /// A point on the face of a link that looks along the axis; `s` from 0 at the near hinge to 1, `w` in widths aside.
 Vec3 on_face(const Scenario& scenario, const Segment& segment, std::size_t link, double s, double w) {
-  const Link& size = scenario.links[link];
+  const Link& size = scenario.planar->links[link];
   return segment.near + s * (segment.far - segment.near) + (w * size.width_m) * segment.across +
-         (0.48 * size.depth_m) * scenario.problem->frame.axis();
+         (0.48 * size.depth_m) * scenario.frame().axis();
 }
 
 /// Blue, orange: whatever the light, a link keeps the order and the distance of its colour's parts.
@@ -121,8 +118,9 @@ void links_where_mathematics_says() {
 void bodies_where_mathematics_says() {
   Scenario scenario = odeval::test::report_scenario("free_box", 1.0, 1e-3);
   constexpr double rate = 0.8;  // rad/s about +y: what points up turns to the right
-  scenario.bodies = {Body{Shape::box, 1, {0.2, 0.3, 1.0}, {0, 0, 0}, {0, 0.4, 0}, {}, {0, rate, 0}},
-                     Body{Shape::sphere, 1, {0.4, 0.4, 0.4}, {1, 0, 0.2}, {}, {}, {0, 0, 1}}};
+  scenario.mechanism.bodies = {
+      {.shape = Box{{0.2, 0.3, 1.0}}, .mass_kg = 1, .attitude = Vec3{0, 0.4, 0}, .spin_rad_s = {0, rate, 0}},
+      {.shape = Sphere{0.4}, .mass_kg = 1, .position_m = {1, 0, 0.2}, .spin_rad_s = {0, 0, 1}}};
   catalogue::Evaluator evaluator(scenario);
   const Trace trace = evaluator.evaluate(catalogue::find_method("ode-step-double")).trace;
   const std::vector<Pose> shown{pose_at(scenario, trace, 0), pose_at(scenario, trace, 1000)};
@@ -156,11 +154,10 @@ void bodies_where_mathematics_says() {
 /// On a joint to the world the camera stays: a body that sinks is seen to sink.
 void held_bodies_move_in_the_picture() {
   Scenario scenario = odeval::test::report_scenario("free_box", 0.3, 1e-3);
-  scenario.problem = odeval::test::problem("spring_joint");
   scenario.gravity = 9.81;
-  scenario.joint = Joint{};
+  scenario.mechanism.joints = {Joint{.kind = BallJoint{}, .second = {}}};
   scenario.ode.spring = Spring{100, 2};
-  scenario.bodies = {Body{Shape::box, 1, {0.1, 0.1, 0.1}, {}, {}, {}, {}}};
+  scenario.mechanism.bodies = {{.shape = Box{{0.1, 0.1, 0.1}}, .mass_kg = 1}};
   catalogue::Evaluator evaluator(scenario);
   const Trace trace = evaluator.evaluate(catalogue::find_method("ode-step-double")).trace;
   const std::vector<Pose> shown{pose_at(scenario, trace, 0), pose_at(scenario, trace, 300)};
@@ -208,14 +205,14 @@ void right_handed() {
   // And in pixels: a link at 45 degrees lies to the right of its hinge and above, as many pixels as its area.
   for (const char* name : {"single_pendulum", "wall_pendulum"}) {
     Scenario scenario = odeval::test::report_scenario(name, 0.01, 1e-3);
-    scenario.q0 = {0.785};
+    change_planar(scenario, [](odeval::PlanarView& view) { view.q0 = {0.785}; });
     catalogue::Evaluator evaluator(scenario);
     const Trace trace = evaluator.evaluate(catalogue::find_method("ode-step-double")).trace;
     Studio studio(scenario, front, 400, 300, caption_font());
     const Image image = studio.picture(shot_of(scenario, trace, 0), {});
     const Tile above = studio.above_caption();
     const Camera camera = studio.camera(above.width, above.height);
-    const Pixel hinge = camera.project(scenario.problem->frame.hinge_m);
+    const Pixel hinge = camera.project(scenario.frame().hinge_m);
     double x = 0;
     double y = 0;
     double count = 0;
@@ -227,7 +224,7 @@ void right_handed() {
         ++count;
       }
     }
-    const double metre = 1 / camera.pixel_m(scenario.problem->frame.hinge_m);
+    const double metre = 1 / camera.pixel_m(scenario.frame().hinge_m);
     CHECK_BETWEEN(count / (0.1 * metre * metre), 0.8, 1.15);  // 1 x 0.1 m, less edges and hinge, a little nearer
     CHECK_NEAR((x / count - hinge.x) / metre, 0.354, 0.03);   // the middle of the link
     CHECK_NEAR((y / count - hinge.y) / metre, -0.354, 0.03);
@@ -237,8 +234,8 @@ void right_handed() {
 /// Of two links in line of sight the nearer is seen.
 void nearer_hides_farther() {
   Scenario scenario = odeval::test::report_scenario("double_pendulum", 0.01, 1e-3);
-  const Vec3 hinge = scenario.problem->frame.hinge_m;
-  const Vec3 axis = scenario.problem->frame.axis();
+  const Vec3 hinge = scenario.frame().hinge_m;
+  const Vec3 axis = scenario.frame().axis();
   const LinkPose middle{hinge, {0, 0, -1}, {0, 1, 0}, axis};
   Studio studio(scenario, front, 400, 300, caption_font());
   for (const double side : {-1.0, 1.0}) {
@@ -255,7 +252,7 @@ void nearer_hides_farther() {
 void hopeless_poses_are_left_out() {
   Scenario scenario = odeval::test::report_scenario("double_pendulum", 0.01, 1e-3);
   Studio studio(scenario, corner, 400, 300, caption_font());
-  const LinkPose good{scenario.problem->frame.hinge_m, {0, 0, -1}, {0, 1, 0}, {1, 0, 0}};
+  const LinkPose good{scenario.frame().hinge_m, {0, 0, -1}, {0, 1, 0}, {1, 0, 0}};
   for (const double far : {1e9, 1e150, HUGE_VAL, std::nan("")}) {
     Pose pose{good, good};
     pose[1].centre_m = {far, 0, 0};
@@ -370,7 +367,7 @@ void film_is_a_whole_apng() {
 /// Links that differ in every size, so that none stands in for another.
 void unequal_links() {
   Scenario scenario = odeval::test::report_scenario("double_pendulum", 0.3, 1e-3);
-  scenario.links = {{1, 1, 0.1, 0.2}, {1, 0.6, 0.14, 0.05}};
+  change_planar(scenario, [](odeval::PlanarView& view) { view.links = {{1, 1, 0.1, 0.2}, {1, 0.6, 0.14, 0.05}}; });
   catalogue::Evaluator evaluator(scenario);
   Studio studio(scenario, front, 800, 600, caption_font());
   const Tile above = studio.above_caption();
@@ -417,7 +414,7 @@ void smooth_edges_whole_hinges() {
     }
   }
   CHECK(between > 50);
-  const Vec3 cap = first.far + 0.08 * scenario.problem->frame.axis();
+  const Vec3 cap = first.far + 0.08 * scenario.frame().axis();
   for (const Vec3& aside :
        {Vec3{0, 0, 0}, Vec3{0, 0.015, 0}, Vec3{0, -0.015, 0}, Vec3{0, 0, 0.015}, Vec3{0, 0, -0.015}}) {
     const Pixel at = camera.project(cap + aside);
@@ -432,13 +429,13 @@ void shadows_and_wall() {
   Scenario scenario = odeval::test::report_scenario("wall_pendulum", 0.01, 1e-3);
   catalogue::Evaluator evaluator(scenario);
   const Trace trace = evaluator.evaluate(catalogue::find_method("ode-step-double")).trace;
-  const PlanarFrame& frame = scenario.problem->frame;
+  const PlanarFrame& frame = scenario.frame();
   {
     Studio studio(scenario, front, 800, 600, caption_font());
     const Image image = studio.picture({{}, {}, ""}, {});
     const Tile above = studio.above_caption();
     const Camera camera = studio.camera(above.width, above.height);
-    const double to_face = scenario.wall->face_m - dot(frame.hinge_m, frame.horizontal);
+    const double to_face = scenario.planar->wall->face_m - dot(frame.hinge_m, frame.horizontal);
     const auto red = [&](double beyond) {
       // At the depth of the wall's front, which is 0.42 reaches from the plane of swing.
       const Pixel at = camera.project(frame.hinge_m + (to_face + beyond) * frame.horizontal + 0.42 * frame.axis());
@@ -531,12 +528,11 @@ double outlined_edges(const Scenario& scenario, const Pose& pose, const Image& i
   long found = 0;
   long all = 0;
   for (std::size_t i = 0; i < pose.size(); ++i) {
-    const Link& link = scenario.links[i];
+    const Link& link = scenario.planar->links[i];
     for (const double across : {-0.5, 0.5}) {
       for (int k = 5; k <= 95; ++k) {
         const Vec3 point = pose[i].centre_m + ((k / 100.0 - 0.5) * link.length_m) * pose[i].along +
-                           (across * link.width_m) * pose[i].across +
-                           (0.5 * link.depth_m) * scenario.problem->frame.axis();
+                           (across * link.width_m) * pose[i].across + (0.5 * link.depth_m) * scenario.frame().axis();
         const Pixel at = camera.project(point);
         const Colour seen = image.at(static_cast<int>(at.x), static_cast<int>(at.y));
         found += seen.r > seen.g + 60 && seen.b > seen.g + 30;
@@ -581,7 +577,7 @@ void overlay_lies_on_the_reference() {
 
 void captions() {
   Scenario scenario = odeval::test::report_scenario("single_pendulum", 0.01, 1e-3);
-  const Pose pose{{scenario.problem->frame.hinge_m, {0, 0, -1}, {0, 1, 0}, {1, 0, 0}}};
+  const Pose pose{{scenario.frame().hinge_m, {0, 0, -1}, {0, 1, 0}, {1, 0, 0}}};
   for (const auto& [width, height] : {std::pair{16, 16}, {16, 300}, {300, 16}, {400, 300}}) {
     Studio studio(scenario, corner, width, height, caption_font());
     const std::string long_text(300, 'm');

@@ -13,8 +13,8 @@ constexpr double g = 9.81;
 
 /// A body that falls along -z and spins up about the plane's axis, its velocities half a step older than its positions.
 Trace falling(const Scenario& scenario, double spin_up) {
-  const Vec3 axis = scenario.problem->frame.axis();
-  const Link& link = scenario.links.front();
+  const Vec3 axis = scenario.planar->frame.axis();
+  const Link& link = scenario.planar->links.front();
   Trace trace;
   trace.bodies.resize(1);
   BodyColumns& body = trace.bodies.front();

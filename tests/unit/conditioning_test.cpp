@@ -7,6 +7,7 @@
 #include <random>
 
 #include "measure/planar_chain.hpp"
+#include "model/generate.hpp"
 #include "model/problems.hpp"
 #include "tests/check.hpp"
 
@@ -26,12 +27,18 @@ double condition_1(const MatrixXd& matrix) {
 
 Scenario uneven(const Problem& problem, std::size_t links) {
   Scenario scenario;
-  scenario.problem = &problem;
   const Link all[] = {{1.7, 0.8, 0.25, 0.06}, {0.6, 1.3, 0.05, 0.4}, {2.2, 0.5, 0.3, 0.2}};
-  scenario.links.assign(all, all + links);
+  put_planar(scenario,
+             {problem.frame, std::vector(all, all + links), std::vector(links, 0.0), std::vector(links, 0.0), {}});
   scenario.step_s = 2e-3;
   scenario.ode.cfm = 3e-4;
   return scenario;
+}
+
+/// The report's links in their place.
+void put_equal_links(Scenario& scenario, std::size_t links) {
+  const std::vector<double> zeros(links);
+  put_planar(scenario, {scenario.planar->frame, std::vector(links, Link{1, 1, 0.1, 0.1}), zeros, zeros, {}});
 }
 
 /// A trace of one row.
@@ -60,13 +67,13 @@ double condition(const Pose& pose, const Scenario& scenario, SystemMatrix matrix
 // Columns along, across and third axis of the links. In the plane the third is the axis without a rounding, as ODE
 // leaves it.
 Pose planar_pose(const Scenario& scenario, std::mt19937& random) {
-  const PlanarFrame& frame = scenario.problem->frame;
+  const PlanarFrame& frame = scenario.planar->frame;
   Matrix3d body;
   body << vector(frame.along_body), vector(frame.across_body), vector(cross(frame.along_body, frame.across_body));
   std::uniform_real_distribution<double> any(-std::numbers::pi, std::numbers::pi);
   Pose pose;
   double angle = 0;
-  for (std::size_t i = 0; i < scenario.links.size(); ++i) {
+  for (std::size_t i = 0; i < scenario.planar->links.size(); ++i) {
     pose.q.push_back(any(random));
     angle += pose.q.back();
     Matrix3d world;
@@ -101,15 +108,15 @@ std::array<Vector3d, 2> across(const Vector3d& n) {
 /// The hinges' system column by column: a unit velocity or spin of one body at a time, and the relative motion of
 /// anchors and axes that it makes; M^-1 by a dense inverse.
 MatrixXd dense_system(const Scenario& scenario, const Pose& pose, bool plane_only) {
-  const PlanarFrame& frame = scenario.problem->frame;
-  const auto n = static_cast<Eigen::Index>(scenario.links.size());
+  const PlanarFrame& frame = scenario.planar->frame;
+  const auto n = static_cast<Eigen::Index>(scenario.planar->links.size());
   const Eigen::Index each = plane_only ? 2 : 5;
   MatrixXd jacobian(each * n, 6 * n);
   MatrixXd mass = MatrixXd::Zero(6 * n, 6 * n);
   const Vector3d hinge_body = vector(frame.along_body).cross(vector(frame.across_body)) *
                               vector(frame.hinge_axis).dot(vector(frame.horizontal).cross(vector(frame.up)));
   for (Eigen::Index b = 0; b < n; ++b) {
-    const Link& link = scenario.links[static_cast<std::size_t>(b)];
+    const Link& link = scenario.planar->links[static_cast<std::size_t>(b)];
     const Vector3d sides = (link.length_m * vector(frame.along_body) + link.width_m * vector(frame.across_body) +
                             link.depth_m * vector(frame.along_body).cross(vector(frame.across_body)))
                                .cwiseAbs();
@@ -124,7 +131,8 @@ MatrixXd dense_system(const Scenario& scenario, const Pose& pose, bool plane_onl
     std::vector<Vector3d> w = v;
     (column % 6 < 3 ? v : w)[static_cast<std::size_t>(column / 6)] = Vector3d::Unit(column % 3);
     const auto end_velocity = [&](std::size_t link, double side) -> Vector3d {
-      const Vector3d arm = pose.turns[link] * vector(frame.along_body) * (side * scenario.links[link].length_m / 2);
+      const Vector3d arm =
+          pose.turns[link] * vector(frame.along_body) * (side * scenario.planar->links[link].length_m / 2);
       return v[link] + w[link].cross(arm);
     };
     for (std::size_t hinge = 0; hinge < static_cast<std::size_t>(n); ++hinge) {
@@ -208,7 +216,7 @@ void the_norms_bound_each_other() {
 // The report's D.2: its numbers, not ours.
 void mass_matrix_is_the_reports() {
   Scenario scenario = uneven(problems[1], 2);
-  scenario.links.assign(2, Link{1, 1, 0.1, 0.1});
+  put_equal_links(scenario, 2);
   for (const double q2 : {-3.0, -std::numbers::pi / 4, 0.0, 1.0, std::numbers::pi / 2, 3.1}) {
     MatrixXd d(2, 2);
     d << 1001.0 / 600 + std::cos(q2), std::cos(q2) / 2 + 401.0 / 1200,  //
@@ -228,7 +236,7 @@ MatrixXd geometric_jacobian(const Scenario& scenario, const std::vector<double>&
   for (std::size_t i = 0; i <= link; ++i) {
     angle += q[i];
     const Vector3d along(std::cos(angle), std::sin(angle), 0);
-    point = hinges[i] + (i == link ? share : 1) * scenario.links[i].length_m * along;
+    point = hinges[i] + (i == link ? share : 1) * scenario.planar->links[i].length_m * along;
     hinges.push_back(point);
   }
   MatrixXd jacobian = MatrixXd::Zero(6, n);
@@ -249,8 +257,8 @@ void generalized_matrices_are_those_of_a_dense_jacobian() {
       MatrixXd mass = MatrixXd::Zero(n, n);
       for (std::size_t i = 0; i < links; ++i) {
         const MatrixXd j = geometric_jacobian(scenario, q, i, 0.5);
-        mass += scenario.links[i].mass_kg * j.topRows(3).transpose() * j.topRows(3) +
-                scenario.links[i].inertia_kgm2() * j.bottomRows(3).transpose() * j.bottomRows(3);
+        mass += scenario.planar->links[i].mass_kg * j.topRows(3).transpose() * j.topRows(3) +
+                scenario.planar->links[i].inertia_kgm2() * j.bottomRows(3).transpose() * j.bottomRows(3);
       }
       CHECK_NEAR(condition({q, {}}, scenario, SystemMatrix::mass_matrix) / condition_1(mass), 1, rounding);
 
@@ -266,7 +274,7 @@ void generalized_matrices_are_those_of_a_dense_jacobian() {
 
 double manipulability(const std::vector<double>& q) {
   Scenario scenario = uneven(problems[1], 2);
-  scenario.links.assign(q.size(), Link{1, 1, 0.1, 0.1});
+  put_equal_links(scenario, q.size());
   Trace trace = trace_of({q, {}});
   add_conditioning(trace, scenario, SystemMatrix::mass_matrix);
   return trace.manipulability.at(0);

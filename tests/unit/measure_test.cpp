@@ -1,12 +1,12 @@
 // Traces with known errors, and poses with known angles, energies and gaps.
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <random>
 
 #include "measure/cartesian_trace.hpp"
 #include "measure/metrics.hpp"
 #include "measure/spread.hpp"
+#include "model/generate.hpp"
 #include "model/problems.hpp"
 #include "odeval/error.hpp"
 #include "tests/check.hpp"
@@ -22,15 +22,12 @@ const double nan = std::nan("");
 // Rounding of a few operations on numbers of order 1 to 100.
 constexpr double rounding = 1e-12;
 
-Scenario scenario_of(const char* problem_name) {
+Scenario scenario_of(std::string_view problem_name) {
   Scenario scenario;
-  for (const Problem& problem : problems) {
-    if (problem.name == problem_name) scenario.problem = &problem;
-  }
-  const auto links = static_cast<std::size_t>(scenario.problem->links);
-  scenario.links.assign(links, Link{2.0, 1.2, 0.1, 0.3});
-  scenario.q0.assign(links, 0.0);
-  scenario.qd0.assign(links, 0.0);
+  const Problem& problem = *std::ranges::find(problems, problem_name, &Problem::name);
+  const auto links = static_cast<std::size_t>(problem.links);
+  const std::vector<double> zeros(links);
+  put_planar(scenario, {problem.frame, std::vector(links, Link{2.0, 1.2, 0.1, 0.3}), zeros, zeros, {}});
   scenario.duration_s = 1;
   scenario.step_s = 0.01;
   return scenario;
@@ -43,21 +40,21 @@ SampleGrid grid_of(const Scenario& scenario, long stride = 1) {
 
 /// Bodies of a chain whose absolute angles turn at constant rates, joints closed.
 void append_pose(const Scenario& scenario, const std::vector<double>& angles, const std::vector<double>& rates,
-                 Rows& rows) {
-  const PlanarFrame& frame = scenario.problem->frame;
+                 Motion& motion) {
+  const PlanarFrame& frame = scenario.planar->frame;
   const Vec3 axis = frame.axis();
-  double* row = rows.append();
+  const Sample sample = motion.append();
   Vec3 anchor = frame.hinge_m;
   Vec3 anchor_velocity{};
-  for (std::size_t i = 0; i < scenario.links.size(); ++i) {
+  for (std::size_t i = 0; i < scenario.planar->links.size(); ++i) {
     const double a = angles[i];
-    const double length = scenario.links[i].length_m;
+    const double length = scenario.planar->links[i].length_m;
     Vec3 along{}, across{};
     for (std::size_t d = 0; d < 3; ++d) {
       along[d] = frame.horizontal[d] * std::cos(a) + frame.up[d] * std::sin(a);
       across[d] = -frame.horizontal[d] * std::sin(a) + frame.up[d] * std::cos(a);
     }
-    BodyState body{};
+    BodyState& body = sample.bodies[i];
     body.angle = a;
     for (std::size_t d = 0; d < 3; ++d) {
       body.position[d] = anchor[d] + length / 2 * along[d];
@@ -72,13 +69,12 @@ void append_pose(const Scenario& scenario, const std::vector<double>& angles, co
             along[d] * frame.along_body[c] + across[d] * frame.across_body[c] + axis[d] * third[c];
       }
     }
-    std::memcpy(row + i * body_numbers, &body, sizeof body);
   }
-  row[scenario.links.size() * body_numbers] = 0;
 }
 
-Rows rows_for(const Scenario& scenario, const SampleGrid& grid) {
-  return Rows(scenario.links.size() * body_numbers + 1, static_cast<std::size_t>(grid.rows));
+Motion motion_for(const Scenario& scenario, const SampleGrid& grid) {
+  const std::size_t links = scenario.planar->links.size();
+  return {{.bodies = links, .joints = links}, static_cast<std::size_t>(grid.rows)};
 }
 
 void frames_are_right_handed() {
@@ -95,12 +91,13 @@ void frames_are_right_handed() {
 // A link that turns steadily, many turns, in both frames: everything is known in closed form.
 void a_turning_link_is_measured_exactly(const char* problem, double q0, double rate) {
   Scenario scenario = scenario_of(problem);
-  scenario.q0 = {q0};
+  change_planar(scenario, [&](PlanarView& view) { view.q0 = {q0}; });
   scenario.gravity = 9.0;
   const SampleGrid grid = grid_of(scenario);
-  Rows rows = rows_for(scenario, grid);
-  for (long k = 0; k < grid.rows; ++k) append_pose(scenario, {q0 + rate * grid.time(k)}, {rate}, rows);
-  const Trace trace = cartesian_trace(scenario, grid, rows);
+  Motion motion = motion_for(scenario, grid);
+  for (long k = 0; k < grid.rows; ++k) append_pose(scenario, {q0 + rate * grid.time(k)}, {rate}, motion);
+  motion[100].joints[0].force[2] = 7;
+  const Trace trace = cartesian_trace(scenario, grid, motion);
 
   const double m = 2.0, l = 1.2, w = 0.1;
   const double kinetic = 0.5 * rate * rate * (m * l * l / 4 + m * (l * l + w * w) / 12);
@@ -118,21 +115,20 @@ void a_turning_link_is_measured_exactly(const char* problem, double q0, double r
   CHECK_EQUAL(trace.rows(), 101u);
   CHECK_NEAR(error, 0, rounding);
   CHECK_EQUAL(trace.bodies.size(), 1u);
-  CHECK_EQUAL(trace.bodies[0].position[2][0], rows.row(0)[2]);
-  CHECK_EQUAL(trace.bodies[0].joint_force[2][100],
-              rows.row(100)[offsetof(BodyState, joint_force) / sizeof(double) + 2]);
+  CHECK_EQUAL(trace.bodies[0].position[2][0], motion[0].bodies[0].position[2]);
+  CHECK_EQUAL(trace.bodies[0].joint_force[2][100], 7.0);
 }
 
 void relative_angles_of_two_links() {
   Scenario scenario = scenario_of("double_pendulum");
-  scenario.q0 = {pi / 4, -pi / 4};
+  change_planar(scenario, [](PlanarView& view) { view.q0 = {pi / 4, -pi / 4}; });
   const SampleGrid grid = grid_of(scenario);
-  Rows rows = rows_for(scenario, grid);
+  Motion motion = motion_for(scenario, grid);
   for (long k = 0; k < grid.rows; ++k) {
     const double t = grid.time(k);
-    append_pose(scenario, {pi / 4 - 20 * t, 30 * t}, {-20, 30}, rows);
+    append_pose(scenario, {pi / 4 - 20 * t, 30 * t}, {-20, 30}, motion);
   }
-  const Trace trace = cartesian_trace(scenario, grid, rows);
+  const Trace trace = cartesian_trace(scenario, grid, motion);
   CHECK_NEAR(trace.q[0].back(), pi / 4 - 20, rounding);
   CHECK_NEAR(trace.q[1].back(), 30 - (pi / 4 - 20), rounding);
   CHECK_NEAR(trace.qd[0].back(), -20, rounding);
@@ -144,27 +140,23 @@ void relative_angles_of_two_links() {
 void sparse_rows_keep_their_turns() {
   const Scenario scenario = scenario_of("single_pendulum");
   const SampleGrid grid = grid_of(scenario, 5);
-  Rows rows = rows_for(scenario, grid);
-  for (long k = 0; k < grid.rows; ++k) append_pose(scenario, {100 * grid.time(k)}, {100}, rows);
-  CHECK_NEAR(cartesian_trace(scenario, grid, rows).q[0].back(), 100, rounding);
-}
-
-double& number_of(Rows& rows, std::size_t row, std::size_t body, std::size_t offset) {
-  return rows.row(row)[body * body_numbers + offset];
+  Motion motion = motion_for(scenario, grid);
+  for (long k = 0; k < grid.rows; ++k) append_pose(scenario, {100 * grid.time(k)}, {100}, motion);
+  CHECK_NEAR(cartesian_trace(scenario, grid, motion).q[0].back(), 100, rounding);
 }
 
 void faults_of_the_pose_show() {
   const Scenario scenario = scenario_of("double_pendulum");
   SampleGrid grid = grid_of(scenario);
   grid.rows = 4;
-  Rows rows = rows_for(scenario, grid);
-  for (long k = 0; k < grid.rows; ++k) append_pose(scenario, {0, 0}, {0, 0}, rows);
-  number_of(rows, 1, 1, 1) += 1e-3;   // y of link 2: its anchor leaves that of link 1
-  number_of(rows, 2, 0, 0) -= 2e-3;   // x of link 1: out of plane, and away from both its anchors
-  number_of(rows, 3, 0, 15) = 4;      // spin of link 1 about x, the hinge
-  number_of(rows, 3, 1, 16) = 3;      // spin of link 2 about y, its long axis at angle 0
-  rows.row(3)[2 * body_numbers] = 2;  // contacts
-  const Trace trace = cartesian_trace(scenario, grid, rows);
+  Motion motion = motion_for(scenario, grid);
+  for (long k = 0; k < grid.rows; ++k) append_pose(scenario, {0, 0}, {0, 0}, motion);
+  motion[1].bodies[1].position[1] += 1e-3;  // of link 2: its anchor leaves that of link 1
+  motion[2].bodies[0].position[0] -= 2e-3;  // of link 1: out of plane, and away from both its anchors
+  motion[3].bodies[0].spin[0] = 4;          // of link 1 about x, the hinge
+  motion[3].bodies[1].spin[1] = 3;          // of link 2 about y, its long axis at angle 0
+  motion[3].contacts = 2;
+  const Trace trace = cartesian_trace(scenario, grid, motion);
   CHECK_NEAR(trace.gap[0], 0, rounding);
   CHECK_NEAR(trace.gap[1], 1e-3, rounding);
   CHECK_NEAR(trace.gap[2], 2e-3, rounding);
@@ -182,10 +174,10 @@ void a_broken_row_stays_broken() {
   const Scenario scenario = scenario_of("double_pendulum");
   SampleGrid grid = grid_of(scenario);
   grid.rows = 2;
-  Rows rows = rows_for(scenario, grid);
-  for (long k = 0; k < grid.rows; ++k) append_pose(scenario, {0, 0}, {0, 0}, rows);
-  number_of(rows, 1, 0, 0) = nan;
-  const Trace trace = cartesian_trace(scenario, grid, rows);
+  Motion motion = motion_for(scenario, grid);
+  for (long k = 0; k < grid.rows; ++k) append_pose(scenario, {0, 0}, {0, 0}, motion);
+  motion[1].bodies[0].position[0] = nan;
+  const Trace trace = cartesian_trace(scenario, grid, motion);
   CHECK(std::isnan(trace.gap[1]));
   CHECK(std::isnan(trace.out_of_plane[1]));
   const Metrics metrics = measure(trace, nullptr, 1);

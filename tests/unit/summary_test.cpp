@@ -1,6 +1,5 @@
 // Summaries, timings and tables: keys, undefined and infinite values, alignment, same bytes for the same run.
 #include "output/summary.hpp"
-#include "model/problems.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -27,12 +26,8 @@ RunSummary example() {
   RunSummary run;
   run.scenario.name = "wall_pendulum";
   run.scenario.file = "/some/where/wall_pendulum.toml";
-  run.scenario.problem = &problems[2];
   run.scenario.duration_s = 2.5;
-  run.scenario.q0 = {0.1};
-  run.scenario.qd0 = {0};
-  run.scenario.links = {{1, 1, 0.1, 0.1}};
-  run.scenario.wall = Wall{0.9, 0.75};
+  run.scenario.mechanism.contacts = {{.restitution = 0.75}};
   run.grid = {1e-3, 1, 2501};
   run.method = "ode-step-double";
   run.uses_ode = true;
@@ -266,7 +261,7 @@ void printed_tables_hold_their_numbers() {
 void the_report_of_a_run_says_what_it_is() {
   RunSummary run = example();
   Reference reference;
-  reference.described = "a reference of words";
+  reference.origin = "a reference of words";
   reference.impacts = {{0.4921, -1.62, -5, 5, 0}};
   const auto report = [&] { return run_report({run}, std::vector<double>{1250}, reference); };
   const std::string plain = report();
