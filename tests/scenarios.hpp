@@ -38,8 +38,8 @@ inline Scenario report_scenario(std::string_view name, double duration_s, double
   scenario.ode.surface_layer = 1e-4;
   if (!what.planar) return scenario;
   const std::size_t links = what.links == 0 ? 3 : static_cast<std::size_t>(what.links);  // 0: any number
-  PlanarView view{what.frame, std::vector(links, Link{1.0, 1.0, 0.1, 0.1}), std::vector(links, 0.0),
-                  std::vector(links, 0.0), {}};
+  PlanarView view{
+      what.frame, std::vector(links, Link{1.0, 1.0, 0.1, 0.1}), std::vector(links, 0.0), std::vector(links, 0.0), {}};
   if (name == "double_pendulum") view.q0 = {quarter, -quarter};
   if (name == "chain") view.q0 = {quarter, -quarter, 0};
   if (name == "potra_pendulum") {

@@ -32,17 +32,17 @@ using MakeSimulation = std::unique_ptr<Simulation> (*)(const Scenario&, const Sa
 
 /// What a scenario may ask of an engine beyond one link that swings freely.
 enum class Feature : std::uint8_t {
-  space,              // bodies that are no links in a plane
-  several_links,      // two or more
-  many_links,         // three or more
-  wall,               // links that strike something
-  wall_of_several,    // more than one of them
-  ground,             // contacts of bodies in space
-  friction,           // of any contact
-  joints_in_space,    // joints of bodies that are no links in a plane
+  space,            // bodies that are no links in a plane
+  several_links,    // two or more
+  many_links,       // three or more
+  wall,             // links that strike something
+  wall_of_several,  // more than one of them
+  ground,           // contacts of bodies in space
+  friction,         // of any contact
+  joints_in_space,  // joints of bodies that are no links in a plane
   motors,
   stops,
-  inertia,            // a tensor of its own, not that of a uniform solid
+  inertia,  // a tensor of its own, not that of a uniform solid
 };
 
 /// The features in words ("friction"), in the order of the enumeration.
@@ -74,6 +74,7 @@ class Features {
   }
 
  private:
+  /// A place for each feature: fewer than 32 of them.
   static constexpr std::uint32_t bit(Feature feature) { return 1U << static_cast<unsigned>(feature); }
   std::uint32_t bits_ = 0;
 };
@@ -93,7 +94,7 @@ struct EngineSetting {
 
 /// The matrix that a formulation inverts or factors.
 enum class SystemMatrix {
-  none,            // nobody said which
+  none,            // none, or not known
   mass_matrix,     // M(q), n x n, in the report's relative coordinates (D.2)
   hinge_rows,      // J M^-1 J^T of all five rows a hinge, 5n x 5n
   hinge_rows_cfm,  // the same + CFM / h on the diagonal: ODE
@@ -102,17 +103,17 @@ enum class SystemMatrix {
 
 /// One way of moving a scenario: a row of a table, and nothing else says what it is.
 struct Engine {
-  std::string_view name;         // as --method says it
-  std::string_view formulation;  // in words, for tables
-  std::string_view advanced_by;  // likewise: what takes a step
-  int order = 0;                 // of convergence in the step; 0: no fixed step
-  double rtol = 0;               // its own tolerances, which --rtol and --atol replace; 0: it has none
-  double atol = 0;
-  Features can;                                    // of what a scenario may ask
-  MakeSimulation make = nullptr;                   // null: left out of this build
-  std::span<const EngineSetting> settings = {};    // what it reads and the motion does not
-  SystemMatrix inverts = SystemMatrix::none;
-  std::string_view why_missing = {};  // why `make` is null, and what would bring it
+  std::string_view name;                         // as --method says it
+  std::string_view formulation;                  // in words, for tables
+  std::string_view advanced_by;                  // likewise: what takes a step
+  int order = 0;                                 // of convergence in the step; 0: no fixed step
+  double rtol = 0;                               // its own tolerances, which --rtol and --atol replace; 0: it has none
+  double atol = 0;                               // likewise, rad and rad/s
+  Features can;                                  // of what a scenario may ask
+  MakeSimulation make = nullptr;                 // null: left out of this build
+  std::span<const EngineSetting> settings = {};  // what it reads and the motion does not
+  SystemMatrix inverts = SystemMatrix::none;     // in each pose, for the columns of conditioning
+  std::string_view why_missing = {};             // why `make` is null, and what would bring it
 };
 
 }  // namespace odeval

@@ -1,8 +1,8 @@
 #pragma once
 // What can go wrong, by who can mend it: the exit status of the program follows the type.
 //
-// Whatever a function of odeval throws is one of these two, or a standard exception for a mistake of ours (a logic error).
-// Their text is one line for the terminal, without the program's name and without a full stop.
+// Whatever a function of odeval throws is one of these two, or a standard exception for a mistake of ours (a logic
+// error). Their text is one line for the terminal, without the program's name and without a full stop.
 #include <stdexcept>
 
 namespace odeval {

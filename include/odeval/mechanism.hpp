@@ -38,8 +38,8 @@ struct AxisAngle {
   Vec3 axis{};           // unit, the same in the world and in the body
   double angle_rad = 0;  // of any size
 };
-/// How a body is turned from the world's axes, in the form in which it was said: a rotation vector (rad), or an axis and
-/// an angle. An engine takes it in that form: through the other the same attitude differs in its last bits.
+/// How a body is turned from the world's axes, in the form in which it was said: a rotation vector (rad), or an axis
+/// and an angle. An engine takes it in that form: through the other the same attitude differs in its last bits.
 using Attitude = std::variant<Vec3, AxisAngle>;
 
 /// The attitude as a rotation vector, rad.
@@ -47,8 +47,8 @@ Vec3 rotation_vector(const Attitude& attitude);
 
 /// A rigid body and how it starts.
 struct Body {
-  Shape shape;            // with its centre in the centre of mass
-  double mass_kg = 0;     // > 0
+  Shape shape;          // with its centre in the centre of mass
+  double mass_kg = 0;   // > 0
   Vec3 position_m{};    // of its centre of mass
   Attitude attitude{};  // of its own axes
   Vec3 velocity_m_s{};  // of its centre of mass
@@ -72,10 +72,11 @@ struct BallJoint {
 };
 /// Holds a point and an axis; leaves one turn about the axis.
 struct HingeJoint {
-  Vec3 anchor_m{};  // as of a ball joint
+  Vec3 anchor_m{};     // as of a ball joint
   Vec3 axis{0, 1, 0};  // unit
 };
-/// Every switch over kinds is a visit of this variant, so that a new kind is a list of compile errors and never an else.
+/// Every switch over kinds is a visit of this variant, so that a new kind is a list of compile errors and never an
+/// else.
 using JointKind = std::variant<BallJoint, HingeJoint>;
 
 /// Where a joint's halves meet when it is closed.
@@ -136,8 +137,8 @@ struct Friction {
   FrictionModel model = FrictionModel::pyramid;
 };
 
-/// How two things touch: the first contact of the mechanism that names them both is theirs. What no contact names passes
-/// through, and so do bodies that a joint connects.
+/// How two things touch: the first contact of the mechanism that names them both is theirs. What no contact names
+/// passes through, and so do bodies that a joint connects.
 struct Contact {
   double restitution = 0;                 // speed after an impact over speed before
   std::optional<Friction> friction = {};  // absent: nothing rubs, and no setting of friction has a meaning

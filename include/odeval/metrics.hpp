@@ -8,10 +8,11 @@
 
 namespace odeval {
 
-/// An angle error above this counts as lost.
+/// An angle error above this counts as lost, rad: a tenth of a radian is what a plot of the motion shows.
 inline constexpr double divergence_rad = 0.1;
 
-/// A body on a ground that moves no faster counts as resting.
+/// A body on a ground that moves no faster counts as resting, m/s: far above the rounding of a body at rest in single
+/// precision, far below any motion that one would see.
 inline constexpr double rest_m_s = 1e-3;
 
 /// The values of all quantities of one trace up to one time, each in its row's unit. One is empty where the quantity
@@ -22,11 +23,13 @@ class Metrics {
   std::optional<double> reference_lost_at;  // s, first sample where the reference's own uncertainty passes 0.1 rad:
                                             // from there on nothing is called lost
 
+  /// By the row's id. To write: the functions that take quantities.
   std::optional<double>& operator[](quantity::Id id) { return values_[id]; }
+  /// To read, in the row's unit.
   const std::optional<double>& operator[](quantity::Id id) const { return values_[id]; }
 
  private:
-  std::array<std::optional<double>, quantity::count> values_;
+  std::array<std::optional<double>, quantity::count> values_;  // in the order of the table
 };
 
 /// What the reference may be off by in that quantity, in its unit; empty when it is no error against the reference, or

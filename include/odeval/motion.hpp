@@ -73,6 +73,7 @@ class Motion {
   Sample append() { return (*this)[size_++]; }
 
  private:
+  /// The parts of sample k, of a motion to read or to write.
   template <class S, class Self>
   static S sample(Self& self, std::size_t k) {
     const SampleShape& shape = self.shape_;
@@ -85,11 +86,11 @@ class Motion {
   }
 
   SampleShape shape_;
-  std::size_t size_ = 0;
-  std::vector<BodyState> bodies_;
-  std::vector<JointState> joints_;
+  std::size_t size_ = 0;             // samples so far
+  std::vector<BodyState> bodies_;    // of each sample one after the other
+  std::vector<JointState> joints_;   // likewise
   std::vector<double> coordinates_;  // q, then qd, of each sample
-  std::vector<double> contacts_;
+  std::vector<double> contacts_;     // one a sample
 };
 
 /// What a stepping loop calls: nothing is allocated, and nothing happens where nobody records.
@@ -109,17 +110,17 @@ class Recorder {
   Sample at(std::size_t k) { return (*motion_)[k]; }
 
  private:
-  Motion* motion_ = nullptr;
+  Motion* motion_ = nullptr;  // null: records nothing
 };
 
 /// One touch. `depth` is how far the engine let the bodies overlap (0 where the method locates the touch). What
 /// q1 and the rates are, the scenario's impact view says: an angle and its rate, or a height and a speed.
 struct Impact {
-  double t = 0;          // s, of the step in which it began, or of the touch itself
-  double q1 = 0;         // rad, or m above a ground
-  double qd_before = 0;  // rad/s, or m/s away from what is struck
-  double qd_after = 0;   // likewise
-  double depth = 0;      // m
+  double t = 0;                  // s, of the step in which it began, or of the touch itself
+  double q1 = 0;                 // rad, or m above a ground
+  double qd_before = 0;          // rad/s, or m/s away from what is struck
+  double qd_after = 0;           // likewise
+  double depth = 0;              // m
   std::optional<int> link = {};  // which of several links, from 1
 };
 

@@ -31,6 +31,7 @@ struct PlanarFrame {
 /// Bodies in space: pictures look along +y, with x to the right and z up.
 inline constexpr PlanarFrame space_frame{{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {0, 1, 0}, {0, 0, 1}, {1, 0, 0}, 0};
 
+/// What a link looks like, and so where its mass is.
 enum class LinkShape { box, sphere };
 
 /// A link of mass between its hinge and the next one, `length` away.
@@ -38,8 +39,8 @@ enum class LinkShape { box, sphere };
 /// box     uniform; `width` lies in the plane of swing, `depth` along the hinge
 /// sphere  uniform, of diameter `width` about the next hinge, on a massless rod; `depth` is its `width`
 struct Link {
-  double mass_kg = 0;
-  double length_m = 0;
+  double mass_kg = 0;   // > 0, of the whole link
+  double length_m = 0;  // from hinge to hinge
   double width_m = 0;
   double depth_m = 0;
   LinkShape shape = LinkShape::box;
@@ -66,17 +67,17 @@ struct Link {
 
 /// A flat wall that fills x <= face (world frame).
 struct Wall {
-  double face_m = 0;
-  double restitution = 1;
+  double face_m = 0;       // x
+  double restitution = 1;  // speed after an impact over speed before
 };
 
 /// Link i is body i of the mechanism, and hangs on joint i.
 struct PlanarView {
-  PlanarFrame frame;
-  std::vector<Link> links;
-  std::vector<double> q0;   // n, rad, at t = 0; q1 from the horizontal, the others relative to the link before
-  std::vector<double> qd0;  // n, rad/s, likewise
-  std::optional<Wall> wall;
+  PlanarFrame frame;         // where the plane lies
+  std::vector<Link> links;   // n, from the first hinge outwards
+  std::vector<double> q0;    // n, rad, at t = 0; q1 from the horizontal, the others relative to the link before
+  std::vector<double> qd0;   // n, rad/s, likewise
+  std::optional<Wall> wall;  // absent: nothing touches
 };
 
 }  // namespace odeval

@@ -75,20 +75,22 @@ enum class Direction {
 /// The rows' names for the compiler, to look up a value in `Metrics`: `metrics[quantity::max_gap]`.
 namespace quantity {
 #define ODEVAL_NAME(name, ...) name,
+/// In the order of the table; `count` is how many there are.
 enum Id : std::size_t { ODEVAL_QUANTITIES(ODEVAL_NAME) count };
 #undef ODEVAL_NAME
+/// In the place of a bound: the quantity is no error against the reference.
 inline constexpr std::nullopt_t none = std::nullopt;
 }  // namespace quantity
 
 /// A row of the table. What takes its value from a trace is no part of it: who only shows values need not measure.
 struct Quantity {
-  quantity::Id id;        // its place in the table
-  std::string_view name;  // as users write and read it, in lists, files and tolerances
-  std::string_view unit;  // of its value
-  Scope scope;
-  Direction direction;
+  quantity::Id id;                          // its place in the table
+  std::string_view name;                    // as users write and read it, in lists, files and tolerances
+  std::string_view unit;                    // of its value
+  Scope scope;                              // what it is a property of
+  Direction direction;                      // which way is better
   std::optional<quantity::Id> uncertainty;  // of the same unit; empty: no error against the reference
-  std::string_view meaning;
+  std::string_view meaning;                 // in words, for lists and help
 };
 
 // clang-format off
@@ -99,7 +101,7 @@ inline constexpr Quantity quantities[] = {ODEVAL_QUANTITIES(ODEVAL_ROW)};
 #undef ODEVAL_ROW
 // clang-format on
 
-/// The row of that name; null without one.
+/// The row of the name that users write; null where no row has it. Looks at every row: there are few.
 constexpr const Quantity* quantity_named(std::string_view name) {
   for (const Quantity& row : quantities) {
     if (row.name == name) return &row;

@@ -47,13 +47,13 @@ constexpr Spring spring_of(const Softness& softness, double step_s) {
 
 /// ODE's own settings. Every one is set explicitly in each world, so no default of a build shows through.
 struct OdeSettings {
-  double erp = 0.2;   // of joints and contacts alike: the world's
-  double cfm = 1e-5;  // likewise
-  std::optional<Spring> spring;  // in the place of erp and cfm
-  int iterations = 20;           // of QuickStep, each over all rows
-  double sor_w = 1.3;            // of QuickStep: over-relaxation, 0 to 2
-  std::optional<double> bounce;  // absent: the restitution of wall or ground
-  double bounce_vel = 0;         // m/s: slower contacts do not bounce
+  double erp = 0.2;                                                     // of joints and contacts alike: the world's
+  double cfm = 1e-5;                                                    // likewise
+  std::optional<Spring> spring;                                         // in the place of erp and cfm
+  int iterations = 20;                                                  // of QuickStep, each over all rows
+  double sor_w = 1.3;                                                   // of QuickStep: over-relaxation, 0 to 2
+  std::optional<double> bounce;                                         // absent: the restitution of wall or ground
+  double bounce_vel = 0;                                                // m/s: slower contacts do not bounce
   double max_correcting_vel = std::numeric_limits<double>::infinity();  // m/s, that mends an overlap
   double surface_layer = 0;                                             // m of overlap that is left alone
   FrictionAxes friction_axes = FrictionAxes::plane_space;
@@ -86,13 +86,13 @@ struct Tolerance {
 
 /// Which touches are told as impacts, and in which coordinate: the view for those.
 struct ImpactView {
-  std::size_t body = 0;              // number
-  Vec3 normal{};                     // unit, away from what is struck
-  bool as_angle = false;             // the coordinate is q1 of the planar view, not the height along the normal
-  bool as_rate = false;              // rates are those of the body's angle, not of its way along the normal
-  std::optional<double> touches_at = {};  // m along the normal, where the body's centre stands as it begins to touch, which
-                                     // gives the depth; absent: the depth is that of the deepest contact
-  std::optional<int> link = {};      // told with the impact
+  std::size_t body = 0;                   // number
+  Vec3 normal{};                          // unit, away from what is struck
+  bool as_angle = false;                  // the coordinate is q1 of the planar view, not the height along the normal
+  bool as_rate = false;                   // rates are those of the body's angle, not of its way along the normal
+  std::optional<double> touches_at = {};  // m along the normal, where the body's centre stands as it begins to touch,
+                                          // which gives the depth; absent: the depth is that of the deepest contact
+  std::optional<int> link = {};  // told with the impact
 };
 
 /// What a file says of the mechanism, completed: a key ("links.0.mass") and its value. Summaries show it.
@@ -104,20 +104,20 @@ using Definition = std::vector<std::pair<std::string, SettingValue>>;
 /// Whoever changes joint coordinates makes the mechanism anew (model/generate.hpp); bodies, joints and contacts may be
 /// changed as they are.
 struct Scenario {
-  std::string name;     // stem of the file; names the result folder
-  std::string file;     // where it was read, for messages
-  std::string summary;  // what is simulated, in a line
-  Mechanism mechanism;  // what an engine is given
+  std::string name;                          // stem of the file; names the result folder
+  std::string file;                          // where it was read, for messages
+  std::string summary;                       // what is simulated, in a line
+  Mechanism mechanism;                       // what an engine is given
   std::shared_ptr<const PlanarView> planar;  // null: no joint coordinates
   std::vector<ImpactView> impact_views;      // one for each thing that has impacts of its own
-  Definition definition;           // what the file said of the mechanism
-  double duration_s = 0;           // simulated time
-  double step_s = 1e-3;            // of methods with a fixed step; else the spacing of rows
-  std::optional<double> sample_s;  // absent: a row every step
-  double gravity = 9.81;           // m/s², along -z
-  OdeSettings ode;                 // of ODE, and of whoever steps as it does
-  MaximalSettings maximal;         // of the methods with Lagrange multipliers
-  std::optional<double> rtol;  // absent: each adaptive method's own default
+  Definition definition;                     // what the file said of the mechanism
+  double duration_s = 0;                     // simulated time
+  double step_s = 1e-3;                      // of methods with a fixed step; else the spacing of rows
+  std::optional<double> sample_s;            // absent: a row every step
+  double gravity = 9.81;                     // m/s², along -z
+  OdeSettings ode;                           // of ODE, and of whoever steps as it does
+  MaximalSettings maximal;                   // of the methods with Lagrange multipliers
+  std::optional<double> rtol;                // absent: each adaptive method's own default
   std::optional<double> atol;
   std::vector<std::string> methods;   // what runs without --method
   std::vector<Tolerance> tolerances;  // what `check` enforces

@@ -9,8 +9,8 @@
 #include "model/generate.hpp"
 #include "reference/closed_form/body_solution.hpp"
 #include "reference/planar/generalized_trace.hpp"
-#include "reference/providers.hpp"
 #include "reference/planar/reference_solution.hpp"
+#include "reference/providers.hpp"
 
 namespace odeval::catalogue {
 namespace {
@@ -60,8 +60,7 @@ Evaluator::Evaluator(Scenario scenario, std::shared_ptr<const Reference> referen
 
 const Reference& Evaluator::reference() {
   if (!reference_) {
-    reference_ =
-        std::make_shared<const Reference>(reference::provider_for(scenario_).solve(scenario_, grid_));
+    reference_ = std::make_shared<const Reference>(reference::provider_for(scenario_).solve(scenario_, grid_));
   }
   return *reference_;
 }

@@ -18,8 +18,7 @@ bool is_of_table_5_2(const Scenario& scenario) {
     if (link.shape != LinkShape::box) return false;
   }
   constexpr double quarter = std::numbers::pi / 4;
-  return same(view.q0[0], quarter) && same(view.q0[1], -quarter) && same(view.qd0[0], 0) &&
-         same(view.qd0[1], 0);
+  return same(view.q0[0], quarter) && same(view.q0[1], -quarter) && same(view.qd0[0], 0) && same(view.qd0[1], 0);
 }
 
 std::vector<Table52Row> table_5_2_rows(std::span<const TimingRow> rows) {

@@ -1,8 +1,8 @@
 // odeval bench: what a step costs. Methods take turns, so that a machine that slows down slows all of them.
 #include "cli/bench.hpp"
 
-#include <algorithm>
 #include <fmt/format.h>
+#include <algorithm>
 
 #include <iostream>
 

@@ -153,8 +153,7 @@ std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::stri
       why = method.why_missing;
     }
   }
-  if (!missing.empty())
-    std::cerr << "odeval: " << scenario.name << ": left out: " << missing << "; " << why << '\n';
+  if (!missing.empty()) std::cerr << "odeval: " << scenario.name << ": left out: " << missing << "; " << why << '\n';
   if (chosen.empty()) throw UserError(scenario.file + ": methods: names none to run; give --method M[,M...]");
   return chosen;
 }

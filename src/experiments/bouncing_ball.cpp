@@ -25,7 +25,8 @@ struct First {
 
 /// The first impact of the scenario.
 First first_impact(Scenario scenario) {
-  const double height = scenario.mechanism.bodies.front().position_m[2] - sides_m(scenario.mechanism.bodies.front().shape)[2] / 2;
+  const double height =
+      scenario.mechanism.bodies.front().position_m[2] - sides_m(scenario.mechanism.bodies.front().shape)[2] / 2;
   scenario.duration_s = std::sqrt(2 * height / scenario.gravity) + 2 * scenario.step_s;
   scenario.sample_s.reset();
   const Evaluation run = Evaluator(scenario).evaluate(*available(big_matrix));
@@ -208,8 +209,9 @@ void ladder(const Scenario& grid, Content& content, Findings& findings) {
       const double start = stands_for * energy(run.trace, 0);
       const double rms = stands_for * *metrics[quantity::rms_energy_drift];
       const double last = stands_for * energy(run.trace, run.trace.rows() - 1);
-      table.rows.push_back({std::string(rung.method), rung.erp, step, static_cast<double>(scenario.mechanism.bodies.size()),
-                            start, rms * rms, last / start, deepest(run.outcome.impacts)});
+      table.rows.push_back({std::string(rung.method), rung.erp, step,
+                            static_cast<double>(scenario.mechanism.bodies.size()), start, rms * rms, last / start,
+                            deepest(run.outcome.impacts)});
       series.x.push_back(step);
       series.y.push_back(rms / start);
       if (rung.method == big_matrix && rung.erp == grid.ode.erp && step == 1e-3) {

@@ -160,7 +160,8 @@ Content conditioning(Laboratory& laboratory, Findings& findings) {
                     {"cfm", file.ode.cfm},
                     {"heavy_mass", near_singular.scenario.planar->links[0].mass_kg},
                     {"sag", shown(file.ode.cfm * file.step_s / file.ode.erp *
-                                  (near_singular.scenario.planar->links[0].mass_kg + near_singular.scenario.planar->links[1].mass_kg) *
+                                  (near_singular.scenario.planar->links[0].mass_kg +
+                                   near_singular.scenario.planar->links[1].mass_kg) *
                                   file.gravity)}};
   content.exhibits.emplace_back(figure(all));
   content.exhibits.emplace_back(table);

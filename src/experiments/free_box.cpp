@@ -65,8 +65,7 @@ class FreeFlights {
     for (const char* name : measured_methods) {
       const catalogue::Method* const method = available(name);
       if (method == nullptr) {
-        table.rows.push_back(
-            row_left_out({std::string(which.name), std::string(name), step_s}, table.columns.size()));
+        table.rows.push_back(row_left_out({std::string(which.name), std::string(name), step_s}, table.columns.size()));
       } else {
         measure(which, step_s, *method, evaluator);
       }
@@ -97,11 +96,11 @@ class FreeFlights {
     const Metrics all = evaluator.measure(run, scenario.duration_s);
     const Metrics early = evaluator.measure(run, early_s);
     const bool of_ode = catalogue::has_half_step_start(method);
-    table.rows.push_back({std::string(which.name), std::string(method.name), step_s,
-                          *all[quantity::max_error_position], of_ode ? Cell(law) : Cell(std::string("-")),
-                          *all[quantity::position_uncertainty], *early[quantity::max_error_turn],
-                          *early[quantity::turn_uncertainty], *all[quantity::max_error_turn],
-                          *all[quantity::turn_uncertainty], *all[quantity::max_angular_momentum_drift] / scales.momentum,
+    table.rows.push_back({std::string(which.name), std::string(method.name), step_s, *all[quantity::max_error_position],
+                          of_ode ? Cell(law) : Cell(std::string("-")), *all[quantity::position_uncertainty],
+                          *early[quantity::max_error_turn], *early[quantity::turn_uncertainty],
+                          *all[quantity::max_error_turn], *all[quantity::turn_uncertainty],
+                          *all[quantity::max_angular_momentum_drift] / scales.momentum,
                           *all[quantity::max_energy_drift] / scales.energy});
     if (!which.tumbles) return;
     if (method.name == "ode-step-double") add_step(step_s, law, all, early);

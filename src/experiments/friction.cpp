@@ -152,11 +152,12 @@ Content friction(Laboratory& laboratory, Findings& findings) {
   report::Figure figure{.name = "friction-figure", .columns = 2};
   figure.panels = {std::move(ways), std::move(turns)};
   Content content;
-  content.values = {{"held_for", scenario.duration_s},
-                    {"friction", coefficient(scenario)},
-                    {"mass", scenario.mechanism.bodies[0].mass_kg},
-                    {"speed", std::sqrt(dot(scenario.mechanism.bodies[0].velocity_m_s, scenario.mechanism.bodies[0].velocity_m_s))},
-                    {"step", scenario.step_s}};
+  content.values = {
+      {"held_for", scenario.duration_s},
+      {"friction", coefficient(scenario)},
+      {"mass", scenario.mechanism.bodies[0].mass_kg},
+      {"speed", std::sqrt(dot(scenario.mechanism.bodies[0].velocity_m_s, scenario.mechanism.bodies[0].velocity_m_s))},
+      {"step", scenario.step_s}};
   content.exhibits.emplace_back(std::move(figure));
   content.exhibits.emplace_back(std::move(table));
   content.exhibits.emplace_back(threshold(scenario));

@@ -132,7 +132,8 @@ report::Table orders(const std::vector<Measured>& all) {
       row.insert(row.end(), 3, Missing{why});
     }
     for (const Range& range : ranges) {
-      add_cells(row, order_in(one.points, range), one.points.empty() ? catalogue::without_single_precision.data() : few_points);
+      add_cells(row, order_in(one.points, range),
+                one.points.empty() ? catalogue::without_single_precision.data() : few_points);
     }
     table.rows.push_back(std::move(row));
   }

@@ -93,7 +93,8 @@ Content potra(Laboratory& laboratory, Findings& findings) {
   report::Figure figure{.name = "potra-figure", .columns = 2};
   figure.panels = {std::move(errors), std::move(distance)};
   Content content;
-  content.values = {{"sphere", evaluator.scenario().planar->links[0].width_m}, {"late_steps", shown(worst[0] / step_s)}};
+  content.values = {{"sphere", evaluator.scenario().planar->links[0].width_m},
+                    {"late_steps", shown(worst[0] / step_s)}};
   content.exhibits.emplace_back(std::move(figure));
   content.exhibits.emplace_back(std::move(table));
   return content;

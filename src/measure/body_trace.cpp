@@ -89,7 +89,8 @@ class JointHalves {
 
  private:
   static Vec3 in_body(const Vec3& arm, const BodyState& body) {
-    return {dot(arm, axis_of(body.rotation, 0)), dot(arm, axis_of(body.rotation, 1)), dot(arm, axis_of(body.rotation, 2))};
+    return {dot(arm, axis_of(body.rotation, 0)), dot(arm, axis_of(body.rotation, 1)),
+            dot(arm, axis_of(body.rotation, 2))};
   }
   Vec3 half(std::size_t which, const BodyState& body) const {
     return body.position + turned(body.rotation, arms_[which]);

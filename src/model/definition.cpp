@@ -25,10 +25,7 @@ class Section {
 };
 
 void add_link(Section section, const Link& link) {
-  section.add("mass", link.mass_kg)
-      .add("length", link.length_m)
-      .add("width", link.width_m)
-      .add("depth", link.depth_m);
+  section.add("mass", link.mass_kg).add("length", link.length_m).add("width", link.width_m).add("depth", link.depth_m);
   if (link.shape == LinkShape::sphere) section.add("shape", "sphere");
 }
 

@@ -12,8 +12,8 @@ namespace odeval {
 /// Puts a planar chain into the scenario: the view, its mechanism (one body a link, one hinge a link, the wall as a box
 /// where there is one) and how impacts on the wall are told.
 ///
-/// Built the way the report's listings C.2 and C.5 build it: the first link is the first body of its hinge, to the world;
-/// every other link is the second, after its parent.
+/// Built the way the report's listings C.2 and C.5 build it: the first link is the first body of its hinge, to the
+/// world; every other link is the second, after its parent.
 void put_planar(Scenario& scenario, PlanarView view);
 
 /// The same with a view that is changed first: change_planar(scenario, [](PlanarView& view) { view.q0[0] = 1; }).

@@ -17,7 +17,10 @@ struct JointWord {
 /// The one table of them.
 inline constexpr std::array joint_words{
     JointWord{"ball", false, [](const JointTable& table) { return JointKind(BallJoint{table.anchor_m}); }},
-    JointWord{"hinge", true, [](const JointTable& table) { return JointKind(HingeJoint{table.anchor_m, table.axis}); }},
+    JointWord{"hinge", true,
+              [](const JointTable& table) {
+                return JointKind(HingeJoint{table.anchor_m, table.axis});
+              }},
 };
 
 }  // namespace odeval

@@ -37,7 +37,7 @@ struct KeyRow {
   std::string_view fallback;                          // what holds without the key; empty: the key must be there
   std::string_view meaning;
   void (*put)(Description&, Scenario&, const KeyValue&);  // for a list of tables: into its last element
-  std::size_t count = 0;                    // of a list's numbers; 0: the problem's own
+  std::size_t count = 0;                                  // of a list's numbers; 0: the problem's own
 
   bool required() const { return fallback.empty(); }
 };

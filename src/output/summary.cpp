@@ -31,7 +31,8 @@ void put(Json& json, std::string_view key, const SettingValue& value) {
   for (std::size_t end = 0; end != std::string_view::npos; key.remove_prefix(std::min(end + 1, key.size()))) {
     end = key.find('.');
     const std::string part(key.substr(0, end));
-    const bool number = !part.empty() && std::ranges::all_of(part, [](char letter) { return letter >= '0' && letter <= '9'; });
+    const bool number =
+        !part.empty() && std::ranges::all_of(part, [](char letter) { return letter >= '0' && letter <= '9'; });
     at = number ? &(*at)[std::stoul(part)] : &(*at)[part];
     if (end == std::string_view::npos) break;
   }

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "odeval/motion.hpp"
 #include "odeval/metrics.hpp"
+#include "odeval/motion.hpp"
 #include "odeval/scenario.hpp"
 
 namespace odeval {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "odeval/motion.hpp"
 #include "odeval/metrics.hpp"
+#include "odeval/motion.hpp"
 
 namespace odeval {
 

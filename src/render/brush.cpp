@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <numbers>
 
-
 namespace odeval::render {
 namespace {
 

@@ -4,7 +4,6 @@
 #include <limits>
 #include <numbers>
 
-
 namespace odeval::render {
 namespace {
 

@@ -11,7 +11,8 @@ namespace {
 constexpr Colour wall_colour{214, 208, 198};
 }  // namespace
 
-PendulumStage::PendulumStage(const Scenario& scenario) : frame_(scenario.planar->frame), links_(scenario.planar->links) {
+PendulumStage::PendulumStage(const Scenario& scenario)
+    : frame_(scenario.planar->frame), links_(scenario.planar->links) {
   double lengths = 0;
   double widest = 0;
   for (const Link& link : links_) {
@@ -187,9 +188,8 @@ std::vector<Layer> PendulumStage::layers(const Camera& camera, const Pose& pose,
   add_links(links, brush, pose, edge_px);
   add_hinges(links, brush, pose, edge_px);
   if (outline != nullptr) {
-    add_outline(layers, edge_px, [&](Layer& wires, const Colour& colour, double px) {
-      add_wires(wires, brush, *outline, colour, px);
-    });
+    add_outline(layers, edge_px,
+                [&](Layer& wires, const Colour& colour, double px) { add_wires(wires, brush, *outline, colour, px); });
   }
   return layers;
 }

@@ -136,7 +136,8 @@ void Scene::set_surfaces(const Scenario& scenario) {
     for (const std::string& second : names_) {
       const auto found =
           std::ranges::find_if(contacts, [&](const Contact& contact) { return contact.is_between(first, second); });
-      of_pair_.push_back(found == contacts.end() ? nullptr : &surfaces_[static_cast<std::size_t>(found - contacts.begin())]);
+      of_pair_.push_back(found == contacts.end() ? nullptr
+                                                 : &surfaces_[static_cast<std::size_t>(found - contacts.begin())]);
     }
   }
 }

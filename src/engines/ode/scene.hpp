@@ -70,9 +70,9 @@ class Scene {
   std::vector<BodyView> bodies_;
   std::vector<std::unique_ptr<dJointFeedback>> feedback_;  // ODE keeps pointers to them
   std::vector<const dReal*> joint_forces_;
-  std::vector<std::string> names_;         // of geoms, by number
-  std::vector<Surface> surfaces_;          // one a contact of the mechanism
-  std::vector<const Surface*> of_pair_;    // by the numbers of two geoms; null: they pass through each other
+  std::vector<std::string> names_;       // of geoms, by number
+  std::vector<Surface> surfaces_;        // one a contact of the mechanism
+  std::vector<const Surface*> of_pair_;  // by the numbers of two geoms; null: they pass through each other
   int contacts_ = 0;
   double depth_ = 0;
 };
