@@ -92,7 +92,7 @@ struct ImpactView {
   bool as_rate = false;                   // rates are those of the body's angle, not of its way along the normal
   std::optional<double> touches_at = {};  // m along the normal, where the body's centre stands as it begins to touch,
                                           // which gives the depth; absent: the depth is that of the deepest contact
-  std::optional<int> link = {};  // told with the impact
+  std::optional<int> link = {};           // told with the impact
 };
 
 /// What a file says of the mechanism, completed: a key ("links.0.mass") and its value. Summaries show it.
