@@ -14,11 +14,19 @@ namespace {
 constexpr double touch_depth = 1e-12;
 // What rests lies this deep, m: a thousand times deeper than contacts are rounded, so that it is found in every step.
 constexpr double rest_depth = 1e-9;
+// Geoms this near, m, that an impact closes touched when it happened: rows and corners that touch do so to rounding.
+constexpr double touching_distance = 1e-9;
+// m: points of one pair of geoms nearer than this are one contact.
+constexpr double same_point = 1e-6;
 constexpr double mendable = 1e-9;  // m, rad: smaller joint errors are left to the projection at the end of the step
 constexpr int most_bisections = 100;
 constexpr int most_pushes = 10;
 
 bool same_geoms(const Contact& one, const Contact& other) { return one.geoms == other.geoms; }
+
+bool among(const std::vector<Contact>& contacts, const Contact& contact) {
+  return std::ranges::any_of(contacts, [&](const Contact& other) { return same_geoms(contact, other); });
+}
 
 double deepest_of(const std::vector<Contact>& contacts) {
   double deepest = 0;
@@ -32,6 +40,7 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
   const std::vector<Contact> rested = resting_;
   touches_.clear();
   stopped_.clear();
+  struck_.clear();
   all_stopped_ = false;
   forces_ = &forces;
   here_ = state;
@@ -102,11 +111,13 @@ void Flight::refuse_apart(const JointError& error, const std::string& when) cons
          joint.id);
 }
 
+/// Geoms that do not bounce any more in this step.
+bool Flight::stopped(const Contact& contact) const { return all_stopped_ || among(stopped_, contact); }
+
 /// A contact of geoms that rested when this part of the step began, and did not approach at this point then, along the
 /// normal of that time: what approaches at its end is what the forces did.
 bool Flight::rests(const Contact& contact, const State& at) const {
-  const auto between_the_same = [&](const Contact& other) { return same_geoms(contact, other); };
-  if (all_stopped_ || std::ranges::any_of(stopped_, between_the_same)) return true;
+  if (stopped(contact)) return true;
   const Contact* nearest = nullptr;
   for (const Contact& other : resting_) {
     if (!same_geoms(contact, other)) continue;
@@ -120,11 +131,15 @@ bool Flight::rests(const Contact& contact, const State& at) const {
   return normal_speed(then, at, here_) >= -options_.rest_speed;
 }
 
-/// The deepest contact that is not at rest, if any.
+/// The deepest contact that is not at rest, if any. What lies side by side overlaps by rounding, and what was struck at
+/// `here_` still does as it leaves: both have to close.
 const Contact* Flight::deepest(const State& at) const {
   const Contact* found = nullptr;
   for (const Contact& contact : contacts_) {
     if (contact.depth <= 0 || (found != nullptr && contact.depth <= found->depth) || rests(contact, at)) continue;
+    const bool leaves = contact.depth <= options_.start_gap && among(struck_, contact);
+    const bool has_to_close = contact.depth <= touch_depth || leaves;
+    if (has_to_close && normal_speed(contact, at) >= 0) continue;
     found = &contact;
   }
   return found;
@@ -168,30 +183,73 @@ double Flight::locate(double after, double longest) {
   return touching;
 }
 
+/// Adds to the contacts at `there_` those that their impact closes within rounding. Returns true if there are any.
+bool Flight::add_closed_by_strike() {
+  State struck = there_;
+  strike(struck);
+  std::vector<Twist> change(struck.size());
+  double fastest = 0;
+  for (std::size_t i = 0; i < struck.size(); ++i) {
+    change[i].linear = struck[i].twist.linear - there_[i].twist.linear;
+    change[i].angular = struck[i].twist.angular - there_[i].twist.angular;
+    fastest = std::max({fastest, change[i].linear.norm(), change[i].angular.norm()});
+  }
+  if (fastest <= 0) return false;
+  const double ahead = touching_distance / fastest;
+  for (std::size_t i = 0; i < struck.size(); ++i) {
+    struck[i].pose.position += ahead * change[i].linear;
+    turn_by(ahead * change[i].angular, struck[i].pose.turn);
+  }
+  std::vector<Contact> before = contacts_;
+  look(struck);
+  std::erase_if(contacts_, [&](const Contact& contact) {
+    return std::ranges::any_of(before, [&](const Contact& other) {
+      return same_geoms(contact, other) && (contact.point - other.point).norm() < same_point;
+    });
+  });
+  const bool more = !contacts_.empty();
+  before.insert(before.end(), contacts_.begin(), contacts_.end());
+  contacts_ = std::move(before);
+  return more;
+}
+
+void Flight::strike(State& state) const {
+  Impact(motion_, contacts_, state).strike(state, options_.impact_order, options_.rest_speed);
+}
+
 /// At `there_`, which becomes `here_`: the next part of the step starts from it.
 void Flight::impact(double t, bool at_once, bool last) {
-  const auto resting =
+  // What rests was let go since `here_`: it stops first, and gives nothing back of that.
+  std::vector<Contact> resting = contacts_;
+  std::erase_if(resting, [this](const Contact& contact) { return !rests(contact, there_); });
+  if (!resting.empty()) Impact(motion_, resting, there_).stop(there_);
+  const auto damp = [&] {
+    for (Contact& contact : contacts_) {
+      if (last || stopped(contact)) contact.restitution = 0;
+    }
+  };
+  do damp();
+  while (add_closed_by_strike());
+  const auto rest =
       std::ranges::stable_partition(contacts_, [this](const Contact& contact) { return !rests(contact, there_); });
-  const std::span<Contact> striking(contacts_.begin(), resting.begin());
+  const std::span<Contact> striking(contacts_.begin(), rest.begin());
   std::swap(here_, there_);
   const auto speed = [this](const Contact& contact) { return normal_speed(contact, here_); };
   const Contact& fastest = *std::ranges::min_element(striking, {}, speed);
   const std::size_t touch = touches_.size();
   touches_.push_back({t, -speed(fastest), 0, striking.size()});
   tell(options_.before_impact, touches_[touch]);
-  for (Contact& contact : resting) contact.restitution = 0;
-  for (Contact& contact : striking) {
-    if (last || speed(contact) > -options_.rest_speed) contact.restitution = 0;
-  }
-  Impact(motion_, contacts_, here_).strike(here_);
+  strike(here_);
   touches_[touch].departure = speed(fastest);
   tell(options_.after_impact, touches_[touch]);
 
   // What leaves slowly stays, and so does what comes again without time passing.
   for (const Contact& contact : striking) {
     if (speed(contact) <= options_.rest_speed) resting_.push_back(contact);
-    if (at_once) stopped_.push_back(contact);
+    if (at_once && among(struck_, contact)) stopped_.push_back(contact);
   }
+  if (!at_once) struck_.clear();
+  struck_.insert(struck_.end(), striking.begin(), striking.end());
   all_stopped_ = last;
 }
 
@@ -209,7 +267,6 @@ bool Flight::hold(State& state) {
   const auto at_rest = [&] {
     touched = deepest(state) != nullptr;
     std::erase_if(contacts_, [&](const Contact& contact) { return !rests(contact, state); });
-    for (Contact& contact : contacts_) contact.restitution = 0;
   };
   at_rest();
   if (!contacts_.empty()) motion_.project(state);  // the matrix of this pose, for the impulses
@@ -217,9 +274,11 @@ bool Flight::hold(State& state) {
   for (int push = 0; push < most_pushes && !contacts_.empty(); ++push) {
     if (push > 0 && deepest_of(contacts_) <= 2 * rest_depth) break;
     const Impact impact(motion_, contacts_, state);
-    impact.strike(state);
-    if (!(impact.push_out(rest_depth, state).size <= mendable)) {
-      refuse("what rests can not be pushed apart with its joints kept; take a smaller step");
+    impact.stop(state);
+    const State before = state;
+    if (!(impact.push_out(rest_depth, state).size <= mendable)) {  // between jaws of joints
+      state = before;
+      break;
     }
     look(state);
     at_rest();

@@ -1,11 +1,16 @@
 #include "engine_rk4/impact.hpp"
 
+#include <map>
+
 #include "engine_rk4/complementarity.hpp"
+#include "engine_rk4/restitution.hpp"
 
 namespace odeval::engine_rk4 {
 namespace {
 
 std::size_t index(Eigen::Index i) { return static_cast<std::size_t>(i); }
+
+constexpr double held = 1e-12;  // of the change of speed that bodies without joints would have: a thousand roundings
 
 double along(const Vector3d& normal, const Vector3d& arm, const Twist& twist) {
   return normal.dot(twist.linear + twist.angular.cross(arm));
@@ -31,7 +36,7 @@ Impact::Impact(Motion& motion, std::span<const Contact> contacts, const State& s
       arms_.push_back(body == world_body ? Vector3d::Zero() : Vector3d(contact.point - state[body].pose.position));
     }
   }
-  speeds_.resize(count, count);
+  response_.resize(count, count);
   for (Eigen::Index j = 0; j < count; ++j) {
     respond(Eigen::VectorXd::Unit(count, j));
     for (Eigen::Index i = 0; i < count; ++i) {
@@ -39,8 +44,14 @@ Impact::Impact(Motion& motion, std::span<const Contact> contacts, const State& s
       double speed = 0;
       if (contact.a != world_body) speed += along(contact.normal, arms_[2 * index(i)], change_[contact.a]);
       if (contact.b != world_body) speed -= along(contact.normal, arms_[2 * index(i) + 1], change_[contact.b]);
-      speeds_(i, j) = speed;
+      response_(i, j) = speed;
     }
+  }
+  // What joints hold, an impulse moves by rounding only.
+  for (Eigen::Index i = 0; i < count; ++i) {
+    if (response_(i, i) > held * motion_.free_response(contacts[index(i)].a, contacts[index(i)].b)) continue;
+    response_.row(i).setZero();
+    response_.col(i).setZero();
   }
 }
 
@@ -60,24 +71,44 @@ void Impact::respond(const Eigen::VectorXd& sizes) const {
   motion_.respond(impulses_, change_);
 }
 
-void Impact::strike(State& state) const {
-  Eigen::VectorXd b(static_cast<Eigen::Index>(contacts_.size()));
-  for (std::size_t i = 0; i < contacts_.size(); ++i) {
-    const double before = normal_speed(contacts_[i], state);
-    b[static_cast<Eigen::Index>(i)] = before < 0 ? (1 + contacts_[i].restitution) * before : before;
-  }
-  respond(complementary(speeds_, b));
+Eigen::VectorXd Impact::speeds(const State& state) const {
+  Eigen::VectorXd v(static_cast<Eigen::Index>(contacts_.size()));
+  for (Eigen::Index i = 0; i < v.size(); ++i) v[i] = normal_speed(contacts_[index(i)], state);
+  return v;
+}
+
+void Impact::push(const Eigen::VectorXd& impulses, State& state) const {
+  respond(impulses);
   for (std::size_t i = 0; i < state.size(); ++i) {
     state[i].twist.linear += change_[i].linear;
     state[i].twist.angular += change_[i].angular;
   }
 }
 
+void Impact::strike(State& state, ImpactOrder order, double rest_speed) const {
+  Restitution restitution{Eigen::VectorXd(static_cast<Eigen::Index>(contacts_.size())), rest_speed};
+  std::map<std::pair<dGeomID, dGeomID>, std::size_t> numbers;
+  std::vector<std::size_t> pair;
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    restitution.of[static_cast<Eigen::Index>(i)] = contacts_[i].restitution;
+    pair.push_back(numbers.emplace(contacts_[i].geoms, numbers.size()).first->second);
+  }
+  const Eigen::VectorXd before = speeds(state);
+  push(order == ImpactOrder::together ? strike_together(response_, before, restitution)
+                                      : strike_in_turn(response_, before, restitution, pair),
+       state);
+}
+
+void Impact::stop(State& state) const {
+  const Eigen::VectorXd before = speeds(state);
+  push(strike_together(response_, before, {Eigen::VectorXd::Zero(before.size())}), state);
+}
+
 JointError Impact::push_out(double depth, State& state) const {
   Eigen::VectorXd b(static_cast<Eigen::Index>(contacts_.size()));
   for (std::size_t i = 0; i < contacts_.size(); ++i) b[static_cast<Eigen::Index>(i)] = depth - contacts_[i].depth;
   if ((b.array() >= 0).all()) return {};
-  respond(complementary(speeds_, b));
+  respond(complementary(response_, b));
   return motion_.displace(change_, state);
 }
 

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine_rk4/accurate_step.hpp"
 #include "engine_rk4/motion.hpp"
 
 namespace odeval::engine_rk4 {
@@ -28,21 +29,24 @@ class Impact {
  public:
   Impact(Motion& motion, std::span<const Contact> contacts, const State& state);
 
-  /// Newton's law with complementarity: after it every contact has v+ >= -e v- (>= 0 if it did not approach), impulses
-  /// only push, and where one pushes its contact has exactly that speed. All bodies feel the impulses through the
-  /// joints.
-  void strike(State& state) const;
+  /// After it no contact closes, impulses have only pushed, and kinetic energy is at most what it was, by the laws of
+  /// restitution.hpp. All bodies feel the impulses through the joints.
+  void strike(State& state, ImpactOrder order, double rest_speed) const;
+  /// Without restitution.
+  void stop(State& state) const;
 
   /// Moves the bodies apart, mass-weighted and with joints kept, until no contact is deeper than `depth`, to the first
   /// order in the way. Ends what the Impact can be used for. Returns the joint error that is left.
   JointError push_out(double depth, State& state) const;
 
  private:
+  Eigen::VectorXd speeds(const State& state) const;
+  void push(const Eigen::VectorXd& impulses, State& state) const;
   void respond(const Eigen::VectorXd& sizes) const;  // into change_
 
   Motion& motion_;
   std::span<const Contact> contacts_;
-  Eigen::MatrixXd speeds_;      // of the contacts, for a unit impulse at each
+  Eigen::MatrixXd response_;    // speeds of the contacts, for a unit impulse at each
   std::vector<Vector3d> arms_;  // of each contact on its two bodies
   mutable std::vector<Wrench> impulses_;
   mutable std::vector<Twist> change_;

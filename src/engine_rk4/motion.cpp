@@ -23,7 +23,14 @@ Eigen::Vector4d turn_rate(const Vector3d& w, const Eigen::Vector4d& q) {
   return rate;
 }
 
-/// A turn by a small rotation vector in the world, exact in its angle.
+std::vector<Eigen::Index> rows_of(const std::vector<Joint>& joints) {
+  std::vector<Eigen::Index> rows;
+  for (const Joint& joint : joints) rows.push_back(joint.rows());
+  return rows;
+}
+
+}  // namespace
+
 void turn_by(const Vector3d& angle, Eigen::Vector4d& q) {
   const double size = angle.norm();
   const double half = size / 2;
@@ -36,14 +43,6 @@ void turn_by(const Vector3d& angle, Eigen::Vector4d& q) {
   q[0] = scalar;
   q.normalize();
 }
-
-std::vector<Eigen::Index> rows_of(const std::vector<Joint>& joints) {
-  std::vector<Eigen::Index> rows;
-  for (const Joint& joint : joints) rows.push_back(joint.rows());
-  return rows;
-}
-
-}  // namespace
 
 Motion::Motion(Mechanism mechanism)
     : mechanism_(std::move(mechanism)), matrix_(rows_of(mechanism_.joints), mechanism_.neighbours) {

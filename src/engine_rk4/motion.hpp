@@ -27,6 +27,9 @@ struct Rate {
   Twist twist;
 };
 
+/// A turn by a rotation vector in the world, exact in its angle.
+void turn_by(const Vector3d& angle, Eigen::Vector4d& q);
+
 /// On every body, gravity included. `renew`, if any, is asked for them at the time and the state of each stage.
 struct Forces {
   std::vector<Wrench> now;
@@ -60,6 +63,12 @@ class Motion {
   /// The change of all velocities that impulses (N s, N m s) on bodies make, joints kept, at the pose of the last
   /// `project` or `displace`.
   void respond(const std::vector<Wrench>& impulses, std::vector<Twist>& change);
+
+  /// What a unit impulse along a line through both centres changes of the speed between two bodies without joints.
+  double free_response(std::size_t a, std::size_t b) const {
+    return (a == world_body ? 0 : mechanism_.bodies[a].inverse_mass) +
+           (b == world_body ? 0 : mechanism_.bodies[b].inverse_mass);
+  }
 
   /// Moves poses by displacements (m, rad), then projects. Returns the joint error that could not be mended.
   JointError displace(const std::vector<Twist>& by, State& state);
