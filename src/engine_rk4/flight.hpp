@@ -21,8 +21,13 @@ class Flight {
 
   /// Impacts of the last step, in order.
   const std::vector<Touch>& touches() const { return touches_; }
+  /// Steps so far that a crowd of contacts ended.
+  std::size_t crowded_steps() const { return crowded_steps_; }
   /// Forgets what rests.
-  void start_anew() { resting_.clear(); }
+  void start_anew() {
+    resting_.clear();
+    crowded_ = 0;
+  }
 
  private:
   void move(double after, double h, State& to);
@@ -38,6 +43,7 @@ class Flight {
   bool add_closed_by_strike();
   void tell(const std::function<void(const Touch&)>& observer, const Touch& touch) const;
   bool hold(State& state);
+  void settle_crowd(State& state, double h);
 
   Motion& motion_;
   Collider& collider_;
@@ -50,6 +56,8 @@ class Flight {
   std::vector<Contact> stopped_;   // their geoms do not bounce any more in this step
   std::vector<Contact> struck_;    // at `here_`
   bool all_stopped_ = false;
+  int crowded_ = 0;  // steps that are left to the crowd's scheme if nothing bounces
+  std::size_t crowded_steps_ = 0;
   std::vector<Touch> touches_;
 };
 

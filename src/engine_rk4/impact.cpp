@@ -36,15 +36,40 @@ Impact::Impact(Motion& motion, std::span<const Contact> contacts, const State& s
       arms_.push_back(body == world_body ? Vector3d::Zero() : Vector3d(contact.point - state[body].pose.position));
     }
   }
-  response_.resize(count, count);
+  response_ = Eigen::MatrixXd::Zero(count, count);
+  const auto speed = [this](Eigen::Index i) {
+    const Contact& contact = contacts_[index(i)];
+    double sum = 0;
+    if (contact.a != world_body) sum += along(contact.normal, arms_[2 * index(i)], change_[contact.a]);
+    if (contact.b != world_body) sum -= along(contact.normal, arms_[2 * index(i) + 1], change_[contact.b]);
+    return sum;
+  };
+  // Without joints an impulse moves its own two bodies only.
+  std::vector<std::vector<Eigen::Index>> of_body(state.size());
+  for (Eigen::Index i = 0; i < count; ++i) {
+    for (const std::size_t body : {contacts[index(i)].a, contacts[index(i)].b}) {
+      if (body != world_body) of_body[body].push_back(i);
+    }
+  }
   for (Eigen::Index j = 0; j < count; ++j) {
-    respond(Eigen::VectorXd::Unit(count, j));
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const Contact& contact = contacts[index(i)];
-      double speed = 0;
-      if (contact.a != world_body) speed += along(contact.normal, arms_[2 * index(i)], change_[contact.a]);
-      if (contact.b != world_body) speed -= along(contact.normal, arms_[2 * index(i) + 1], change_[contact.b]);
-      response_(i, j) = speed;
+    const Contact& contact = contacts[index(j)];
+    if (motion_.jointed(contact.a) || motion_.jointed(contact.b)) {
+      respond(Eigen::VectorXd::Unit(count, j));
+      for (Eigen::Index i = 0; i < count; ++i) response_(i, j) = speed(i);
+      continue;
+    }
+    for (Twist& twist : change_) twist = {Vector3d::Zero(), Vector3d::Zero()};
+    double sign = 1;
+    for (const std::size_t body : {contact.a, contact.b}) {
+      if (body != world_body) {
+        const Vector3d& arm = arms_[2 * index(j) + (sign > 0 ? 0 : 1)];
+        change_[body] = motion_.free_change(body, {sign * contact.normal, arm.cross(sign * contact.normal)});
+      }
+      sign = -1;
+    }
+    for (const std::size_t body : {contact.a, contact.b}) {
+      if (body == world_body) continue;
+      for (const Eigen::Index i : of_body[body]) response_(i, j) = speed(i);
     }
   }
   // What joints hold, an impulse moves by rounding only.
@@ -104,11 +129,15 @@ void Impact::stop(State& state) const {
   push(strike_together(response_, before, {Eigen::VectorXd::Zero(before.size())}), state);
 }
 
-JointError Impact::push_out(double depth, State& state) const {
+JointError Impact::push_out(double depth, State& state, std::span<const Twist> besides) const {
   Eigen::VectorXd b(static_cast<Eigen::Index>(contacts_.size()));
   for (std::size_t i = 0; i < contacts_.size(); ++i) b[static_cast<Eigen::Index>(i)] = depth - contacts_[i].depth;
-  if ((b.array() >= 0).all()) return {};
+  if (besides.empty() && (b.array() >= 0).all()) return {};
   respond(complementary(response_, b));
+  for (std::size_t i = 0; i < besides.size(); ++i) {
+    change_[i].linear += besides[i].linear;
+    change_[i].angular += besides[i].angular;
+  }
   return motion_.displace(change_, state);
 }
 

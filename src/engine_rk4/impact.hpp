@@ -36,8 +36,9 @@ class Impact {
   void stop(State& state) const;
 
   /// Moves the bodies apart, mass-weighted and with joints kept, until no contact is deeper than `depth`, to the first
-  /// order in the way. Ends what the Impact can be used for. Returns the joint error that is left.
-  JointError push_out(double depth, State& state) const;
+  /// order in the way, and by what is given besides. Ends what the Impact can be used for. Returns the joint error that
+  /// is left.
+  JointError push_out(double depth, State& state, std::span<const Twist> besides = {}) const;
 
  private:
   Eigen::VectorXd speeds(const State& state) const;

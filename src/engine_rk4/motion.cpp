@@ -49,6 +49,11 @@ Motion::Motion(Mechanism mechanism)
   const std::size_t bodies = mechanism_.bodies.size();
   const std::size_t joints = mechanism_.joints.size();
   turns_.resize(bodies);
+  jointed_.resize(bodies, 0);
+  for (const Joint& joint : mechanism_.joints) {
+    jointed_[joint.a] = 1;
+    if (joint.b != world_body) jointed_[joint.b] = 1;
+  }
   inverse_inertias_.resize(bodies);
   acceleration_.resize(bodies);
   correction_.resize(bodies);
@@ -223,7 +228,10 @@ JointErrors Motion::finish(State& state) {
   // It at least halves the error a round or has failed: then the caller judges what is left.
   for (double error = errors.before.size;;) {
     correct(state);
-    if (error < small_correction && matrix_.left_out() == 0) break;
+    if (error < small_correction && matrix_.left_out() == 0) {
+      errors.after = {};  // its square
+      break;
+    }
     look(state);
     errors.after = largest_error();
     if (errors.after.size <= closed || !(errors.after.size < error / 2)) break;
@@ -254,8 +262,7 @@ void Motion::correct(State& state) {
 void Motion::respond(const std::vector<Wrench>& impulses, std::vector<Twist>& change) {
   change.resize(impulses.size());
   for (std::size_t i = 0; i < impulses.size(); ++i) {
-    change[i].linear = mechanism_.bodies[i].inverse_mass * impulses[i].force;
-    change[i].angular = inverse_inertias_[i] * impulses[i].torque;
+    change[i] = free_change(i, impulses[i]);
   }
   for (Vector6& lambda : lambda_) lambda.setZero();
   solve_onto(change);

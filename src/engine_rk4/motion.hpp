@@ -70,6 +70,13 @@ class Motion {
            (b == world_body ? 0 : mechanism_.bodies[b].inverse_mass);
   }
 
+  /// Is it one of a joint's bodies? The world is not.
+  bool jointed(std::size_t body) const { return body != world_body && jointed_[body] != 0; }
+  /// The change of a body's velocity that an impulse makes without joints.
+  Twist free_change(std::size_t body, const Wrench& impulse) const {
+    return {mechanism_.bodies[body].inverse_mass * impulse.force, inverse_inertias_[body] * impulse.torque};
+  }
+
   /// Moves poses by displacements (m, rad), then projects. Returns the joint error that could not be mended.
   JointError displace(const std::vector<Twist>& by, State& state);
 
@@ -95,6 +102,7 @@ class Motion {
 
   Mechanism mechanism_;
   BlockLdl matrix_;
+  std::vector<char> jointed_;
   std::vector<Matrix3d> turns_;
   std::vector<Matrix3d> inverse_inertias_;  // world frame
   std::vector<JointRows> rows_;

@@ -25,27 +25,6 @@ constexpr int most_rounds = 1000;
 
 std::size_t index(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
-/// Contacts that have a part in each other's speeds, directly or through others.
-std::vector<Indices> coupled(const MatrixXd& a) {
-  std::vector<Indices> groups;
-  std::vector<char> met(index(a.rows()), 0);
-  for (Eigen::Index first = 0; first < a.rows(); ++first) {
-    if (met[index(first)] != 0) continue;
-    met[index(first)] = 1;
-    Indices group{first};
-    for (std::size_t k = 0; k < group.size(); ++k) {
-      for (Eigen::Index other = 0; other < a.rows(); ++other) {
-        if (met[index(other)] != 0 || a(group[k], other) == 0) continue;
-        met[index(other)] = 1;
-        group.push_back(other);
-      }
-    }
-    std::ranges::sort(group);
-    groups.push_back(std::move(group));
-  }
-  return groups;
-}
-
 /// At these speeds.
 VectorXd bounce(const Restitution& restitution, const VectorXd& now) {
   return (now.array() <= -restitution.rest_speed).select(restitution.of, 0);
