@@ -57,6 +57,7 @@ class AccurateStep::World {
   void step(double h) {
     if (!(h > 0) || !std::isfinite(h)) refuse("the step must be a positive number of seconds, not " + shown(h));
     if (watch_.changed(space_, mechanism())) reread();
+    if (motion_.has_motors()) motion_.read_motors();
     read_state(mechanism(), state_);
     read_forces(world_, mechanism(), forces_.now);
     saved_.save(mechanism());

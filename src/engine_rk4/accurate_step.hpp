@@ -9,6 +9,10 @@
 // each step positions and velocities are projected onto the joints, mass-weighted, so that a joint's gap stays at
 // rounding. ODE's ERP and CFM have no part in it.
 //
+// A motor (dParamVel, dParamFMax) keeps its velocity as a joint keeps its axis, and pushes with its limit where it can
+// not; it reaches and leaves its limit where that happens within the step. A stop (dParamLoStop, dParamHiStop) is a
+// contact with the restitution dParamBounce. Velocities and limits may change at every step.
+//
 // Double precision only: link with a double-precision ODE.
 #include <cstddef>
 #include <functional>
@@ -97,8 +101,9 @@ struct AccurateStepOptions {
 /// working. Joints, bodies and geoms that come and go or are changed are noticed at the next call.
 class AccurateStep {
  public:
-  /// Throws AccurateStepError for what is not supported: joints other than ball, hinge, slider, universal and fixed;
-  /// motors and stops; kinematic or disabled bodies; damping and speed limits; options out of their range.
+  /// Throws AccurateStepError for what is not supported: joints other than ball, hinge, slider, universal, fixed and
+  /// angular motors (dAMotorUser); stops of others than hinges and sliders; kinematic or disabled bodies; damping and
+  /// speed limits; options out of their range.
   explicit AccurateStep(dxWorld* world, dxSpace* space = nullptr, AccurateStepOptions options = {});
   ~AccurateStep();
   AccurateStep(AccurateStep&&) noexcept;

@@ -25,7 +25,10 @@ constexpr std::size_t crowd = 48;
 // Steps without a bounce after which a crowd is at rest.
 constexpr int calm_steps = 10;
 constexpr int most_bisections = 100;
-constexpr double near_newton = 0.02;  // of the bracket: Newton's method misses by the square of what it moved
+constexpr int most_changes = 20;           // of motors in one step; after that they go on as they are
+constexpr double time_rounding = 1e-15;    // of what is left of the step
+constexpr double beyond_rounding = 1e-14;  // of a motor's limit or velocity
+constexpr double near_newton = 0.02;       // of the bracket: Newton's method misses by the square of what it moved
 constexpr int most_pushes = 10;
 
 bool same_geoms(const Contact& one, const Contact& other) { return one.geoms == other.geoms; }
@@ -57,7 +60,7 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
     double t = 0;
     for (int impacts = 1;; ++impacts) {
       move(t, h - t, there_);
-      if (!collider_.works()) break;
+      if (!collider_.works(motion_.mechanism())) break;
       look(there_);
       if (deepest(there_) == nullptr) {
         hold(there_);
@@ -100,11 +103,61 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
 
 /// From `here_`, which is `after` seconds into the step.
 void Flight::move(double after, double h, State& to) {
+  if (motion_.has_motors()) {
+    move_by_motors(after, h, to);
+  } else {
+    go(here_, after, h, to);
+  }
+}
+
+/// As far as motors do what they do, then on from where one reaches or leaves its limit of force.
+void Flight::move_by_motors(double after, double h, State& to) {
+  State from = here_;
+  std::vector<std::size_t> broken;
+  std::vector<double> shares;
+  const double end = after + h;
+  for (int change = 0;; ++change) {
+    motion_.drive(from, *forces_, after, broken);
+    const double longest = end - after;
+    go(from, after, longest, to);
+    motion_.beyond(to, *forces_, end, shares);
+    const auto most = [&] { return *std::ranges::max_element(shares); };
+    if (most() <= 0 || change == most_changes) return;
+    // The first moment at which one is beyond: regula falsi after Illinois.
+    double low = 0, high = longest, at_low = -1, at_high = most();
+    for (int round = 0; round < most_bisections && high - low > time_rounding * longest; ++round) {
+      double guess =
+          round % 3 == 2 || at_low == -1 ? (low + high) / 2 : low + (high - low) * at_low / (at_low - at_high);
+      if (!(guess > low && guess < high)) break;
+      go(from, after, guess, to);
+      motion_.beyond(to, *forces_, after + guess, shares);
+      const bool found = std::fabs(most()) < beyond_rounding;
+      (found || most() > 0 ? high : low) = guess;
+      (found || most() > 0 ? at_high : at_low) = most();
+      if (found) break;
+    }
+    if (most() <= -beyond_rounding) {
+      go(from, after, high, to);
+      motion_.beyond(to, *forces_, after + high, shares);
+    }
+    broken.clear();
+    for (std::size_t m = 0; m < shares.size(); ++m) {
+      if (shares[m] <= -beyond_rounding || !motion_.holds(m)) continue;
+      motion_.let_slip(m);
+      broken.push_back(m);
+    }
+    after += high;
+    from = to;
+  }
+}
+
+void Flight::go(State& from, double after, double h, State& to) {
   forces_->start = after;
-  JointErrors errors = motion_.step(here_, *forces_, h, to);
+  JointErrors errors = motion_.step(from, *forces_, h, to);
   if (errors.before.size > mendable) {
-    settle(here_, options_.start_gap);
-    errors = motion_.step(here_, *forces_, h, to);
+    settle(from, options_.start_gap);
+    if (motion_.has_motors()) motion_.drive(from, *forces_, after, {});
+    errors = motion_.step(from, *forces_, h, to);
   }
   if (!finite(to)) refuse("the motion left the finite numbers; take a smaller step");
   // Equations that repeat others are left out: a closed loop that does not quite close keeps its gap.
@@ -167,7 +220,8 @@ double Flight::locate(double after, double longest) {
   double free = 0;
   double touching = longest;
   Contact touch = *deepest(there_);
-  int fell_short = 0;  // how often in a row: then the touch is near the last one, at a share of what is left, or it is not
+  int fell_short =
+      0;  // how often in a row: then the touch is near the last one, at a share of what is left, or it is not
   for (int round = 0; round < most_bisections && touch.depth > touch_depth; ++round) {
     const double closing = -normal_speed(touch, there_);
     const double newton = closing > 0 && fell_short == 0 ? touching - (touch.depth - touch_depth / 2) / closing : free;

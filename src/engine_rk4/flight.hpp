@@ -31,6 +31,8 @@ class Flight {
 
  private:
   void move(double after, double h, State& to);
+  void move_by_motors(double after, double h, State& to);
+  void go(State& from, double after, double h, State& to);
   void settle(State& state, double most) const;
   [[noreturn]] void refuse_apart(const JointError& error, const std::string& when) const;
   void look(const State& state) { collider_.look(motion_.mechanism(), state, contacts_); }

@@ -16,7 +16,8 @@ struct Contact {
   Vector3d normal;   // unit; moving a along it takes the bodies apart
   double depth;      // m
   double restitution;
-  std::pair<dGeomID, dGeomID> geoms;  // in the order of their addresses
+  std::pair<const void*, const void*> geoms;  // in the order of their addresses; of a stop, its joint and itself
+  bool turns = false;                         // a stop of a hinge: the normal is an axis, the depth an angle
 };
 
 /// Normal speed of a against b at a contact found at `state`, m/s; negative: they approach.
@@ -41,8 +42,9 @@ class Impact {
   JointError push_out(double depth, State& state, std::span<const Twist> besides = {}) const;
 
  private:
+  double free_response(const Contact& contact) const;
   Eigen::VectorXd speeds(const State& state) const;
-  void push(const Eigen::VectorXd& impulses, State& state) const;
+  void strike_by(const Eigen::VectorXd& impulses, State& state) const;
   void respond(const Eigen::VectorXd& sizes) const;  // into change_
 
   Motion& motion_;
