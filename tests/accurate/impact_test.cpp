@@ -91,20 +91,6 @@ void check_rest() {
   if (!again.empty()) CHECK_NEAR(again.front().touch.approach, 2, 1e-8);
 }
 
-/// Largest overlap of any two geoms, by ODE.
-double overlap(const World& world) {
-  double deepest = 0;
-  dSpaceCollide(world.space, &deepest, [](void* data, dGeomID one, dGeomID other) {
-    const dBodyID a = dGeomGetBody(one), b = dGeomGetBody(other);
-    if (a != nullptr && b != nullptr && dAreConnected(a, b) != 0) return;
-    dContactGeom found[16];
-    const int count = dCollide(one, other, 16, found, sizeof(dContactGeom));
-    double& most = *static_cast<double*>(data);
-    for (int i = 0; i < count; ++i) most = std::max(most, found[i].depth);
-  });
-  return deepest;
-}
-
 /// Links on hinges along x, the first one on the world when `anchored`.
 void lay_chain(World& world, int links, double height, bool anchored) {
   dBodyID before = nullptr;

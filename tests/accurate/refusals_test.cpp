@@ -69,9 +69,16 @@ void refused_later(const char* message, const std::function<void(Pendulum&)>& sp
 }
 
 void check_unsupported() {
-  refused("has stops", [](Pendulum& w) { dJointSetHingeParam(w.first, dParamLoStop, -1); });
-  refused("has stops", [](Pendulum& w) { dJointSetHingeParam(w.first, dParamHiStop, 1); });
-  refused("has a motor", [](Pendulum& w) { dJointSetHingeParam(w.second, dParamFMax, 1); });
+  for (const int stop : {dParamLoStop, dParamHiStop, dParamLoStop2, dParamHiStop2}) {
+    refused("has stops", [stop](Pendulum& w) {
+      dJointSetUniversalParam(w.universal(w.one, w.two, {0, 0, -1}, {1, 0, 0}, {0, 1, 0}), stop, 0.1);
+    });
+  }
+  refused("dAMotorUser is supported", [](Pendulum& w) {
+    const dJointID motor = dJointCreateAMotor(w.id, nullptr);
+    dJointAttach(motor, w.one, w.two);
+    dJointSetAMotorMode(motor, dAMotorEuler);
+  });
   refused("kind that is not supported", [](Pendulum& w) {
     const dJointID joint = dJointCreateHinge2(w.id, nullptr);
     dJointAttach(joint, w.one, w.two);
@@ -290,13 +297,16 @@ void check_noticed() {
     CHECK_THROWS(step(1e-3), AccurateStepError, message);
     refused_later(message, spoil);
   };
-  refused_first("has a motor", [](Pendulum& w) { dJointSetHingeParam(w.first, dParamFMax, 1); });
-  refused_first("has stops", [](Pendulum& w) { dJointSetHingeParam(w.second, dParamLoStop, -1); });
   refused_first("damped", [](Pendulum& w) { dBodySetLinearDamping(w.two, 0.1); });
   refused_first("limited angular speed", [](Pendulum& w) { dBodySetMaxAngularSpeed(w.one, 10); });
   refused_first("gyroscopic term off", [](Pendulum& w) { dBodySetGyroscopicMode(w.one, 0); });
   refused_first("kinematic", [](Pendulum& w) { dBodySetKinematic(w.one); });
   refused_first("disabled", [](Pendulum& w) { dBodyDisable(w.two); });
+
+  refused_first("has a motor", [](Pendulum& w) {
+    dJointSetHingeParam(w.first, dParamFMax, 1);
+    dJointSetHingeParam(w.first, dParamVel, nan);
+  });
 
   // What is taken as it is now: the same bits as a step made afterwards.
   const auto taken = [](const std::function<void(Pendulum&)>& change) {
@@ -323,6 +333,8 @@ void check_noticed() {
     dJointDestroy(w.second);
     w.second = w.hinge(w.one, w.two, {0, 0, -1.3}, {1, 0, 0});
   });
+  taken([](Pendulum& w) { dJointSetHingeParam(w.first, dParamFMax, 1); });
+  taken([](Pendulum& w) { dJointSetHingeParam(w.second, dParamLoStop, 0); });
   taken([](Pendulum& w) { dJointSetHingeAxis(w.second, 0, 0, 1); });
   taken([](Pendulum& w) {
     dGeomDestroy(dBodyGetFirstGeom(w.two));
@@ -349,7 +361,10 @@ void check_names() {
     }
     return std::string("nothing");
   };
-  const auto motor = [&](double force) { dJointSetHingeParam(world.second, dParamFMax, force); };
+  const auto motor = [&](double force) {
+    dJointSetHingeParam(world.second, dParamFMax, force);
+    dJointSetHingeParam(world.second, dParamVel, force > 0 ? nan : 0);
+  };
   motor(1);
   CHECK(message().find("the hinge between body 0 and body 1 has a motor") != std::string::npos);
   motor(0);

@@ -3,6 +3,7 @@
 #include <ode/ode.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -163,6 +164,20 @@ class World {
  private:
   Vector3d gravity_;
 };
+
+/// Largest overlap of any two geoms, by ODE.
+inline double overlap(const World& world) {
+  double deepest = 0;
+  dSpaceCollide(world.space, &deepest, [](void* data, dGeomID one, dGeomID other) {
+    const dBodyID a = dGeomGetBody(one), b = dGeomGetBody(other);
+    if (a != nullptr && b != nullptr && dAreConnected(a, b) != 0) return;
+    dContactGeom found[16];
+    const int count = dCollide(one, other, 16, found, sizeof(dContactGeom));
+    double& most = *static_cast<double*>(data);
+    for (int i = 0; i < count; ++i) most = std::max(most, found[i].depth);
+  });
+  return deepest;
+}
 
 /// Slope of log error over log step between two runs.
 inline double order(double coarse_error, double fine_error, double ratio) {

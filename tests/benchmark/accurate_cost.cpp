@@ -4,7 +4,7 @@
 //
 // Interleaved in one run: the double pendulum stepped by both; accuracy at equal CPU time (dWorldStep at h = 1e-4,
 // until t = 2); cost per step on chains of 8 to 128 links with a fitted exponent; mechanisms and stacks at rest; an
-// impact. Prints medians and judges nothing.
+// impact; contacts that crowd. Prints medians and judges nothing.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@
 #include "measure/spread.hpp"
 #include "model/read_scenario.hpp"
 #include "odeval/metrics.hpp"
-#include "tests/accurate/worlds.hpp"
+#include "tests/accurate/crowds.hpp"
 
 namespace {
 
@@ -204,6 +204,33 @@ void at_rest(const char* what, int rounds, const std::function<void(odeval::test
              median(accurate), median(ratios), touches);
 }
 
+/// Contacts that crowd, plastic and frictionless, 10 s at h = 5 ms from the fall on: mean and slowest step, either
+/// against dWorldStep's mean in the same run.
+void crowd(const char* what, void (*build)(odeval::test::World&)) {
+  constexpr double h = 5e-3;
+  constexpr int steps = 2000;
+  odeval::test::World one, other;
+  build(one);
+  build(other);
+  odeval::AccurateStep step(one.id, one.space, bouncing(0));
+  OdeSteps ode(other);
+  double accurate = 0, plain = 0, slowest = 0;
+  for (int k = 0; k < steps; ++k) {
+    const double start = cpu_seconds();
+    step(h);
+    const double middle = cpu_seconds();
+    ode.step(h);
+    accurate += middle - start;
+    plain += cpu_seconds() - middle;
+    slowest = std::max(slowest, middle - start);
+  }
+  fmt::print(
+      "{:16} dWorldStep {:.1f} us/step, accurate {:.1f} us/step: {:.2f} x, slowest step {:.1f} x; {} crowded steps, "
+      "overlap {:.2g} m\n",
+      what, 1e6 * plain / steps, 1e6 * accurate / steps, accurate / plain, slowest * steps / plain,
+      step.crowded_steps(), odeval::test::overlap(one));
+}
+
 /// Steps with and without an impact of a link that swings against a wall.
 void impacts() {
   using namespace odeval::test;
@@ -244,5 +271,8 @@ int main(int argc, char** argv) {
   at_rest("stack of 4", rounds, [](odeval::test::World& world) {
     for (int i = 0; i < 4; ++i) world.box(1, {0.2, 0.2, 0.2}, {0, 0, 0.1 + 0.2 * i});
   });
+  crowd("ragdoll", odeval::test::ragdoll);
+  crowd("stack of 10", odeval::test::stack_of_10);
+  crowd("pile of 50", odeval::test::pile_of_50);
   impacts();
 }

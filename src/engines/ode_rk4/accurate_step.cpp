@@ -57,6 +57,7 @@ class AccurateStep::World {
   void step(double h) {
     if (!(h > 0) || !std::isfinite(h)) refuse("the step must be a positive number of seconds, not " + shown(h));
     if (watch_.changed(space_, mechanism())) reread();
+    if (motion_.has_motors()) motion_.read_motors();
     read_state(mechanism(), state_);
     read_forces(world_, mechanism(), forces_.now);
     saved_.save(mechanism());
@@ -71,6 +72,7 @@ class AccurateStep::World {
   }
 
   const std::vector<Touch>& touches() const { return flight_.touches(); }
+  std::size_t crowded_steps() const { return flight_.crowded_steps(); }
   const Mechanism& mechanism() const { return motion_.mechanism(); }
 
  private:
@@ -123,6 +125,7 @@ AccurateStep::AccurateStep(AccurateStep&&) noexcept = default;
 AccurateStep& AccurateStep::operator=(AccurateStep&&) noexcept = default;
 void AccurateStep::operator()(double h) { world_->step(h); }
 const std::vector<Touch>& AccurateStep::touches() const { return world_->touches(); }
+std::size_t AccurateStep::crowded_steps() const { return world_->crowded_steps(); }
 std::size_t AccurateStep::bodies() const { return world_->mechanism().bodies.size(); }
 std::size_t AccurateStep::joints() const { return world_->mechanism().joints.size(); }
 

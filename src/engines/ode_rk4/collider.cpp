@@ -31,11 +31,35 @@ Collider::Collider(dSpaceID space, Ask ask) : space_(space), ask_(std::move(ask)
 
 void Collider::look(const Mechanism& mechanism, const State& state, std::vector<Contact>& contacts) {
   contacts.clear();
+  stop(mechanism, state, contacts);
+  if (space_ == nullptr || !ask_) return;
   show_poses(mechanism, state);
   check_reach(mechanism);
   pairs_.clear();
   pair_up(space_);
   for (const auto& [one, other] : pairs_) meet(mechanism, one, other, contacts);
+}
+
+/// A joint beyond one of its stops, which is a contact with a depth of its own kind.
+void Collider::stop(const Mechanism& mechanism, const State& state, std::vector<Contact>& contacts) {
+  for (const Joint& joint : mechanism.joints) {
+    for (const Stop& stop : joint.stops) {
+      const Pose& a = state[joint.a].pose;
+      const Matrix3d turn_a = rotation(a.turn);
+      const Matrix3d turn_b = joint.b == world_body ? Matrix3d::Identity() : rotation(state[joint.b].pose.turn);
+      const Vector3d x_b = joint.b == world_body ? Vector3d::Zero() : state[joint.b].pose.position;
+      const Vector3d axis = turn_a * stop.axis, of_a = turn_a * stop.of_a, of_b = turn_b * stop.of_b;
+      const double at = stop.slides ? stop.at_start + axis.dot(a.position + of_a - x_b - of_b)
+                                    : std::atan2(axis.dot(of_b.cross(of_a)), of_b.dot(of_a));
+      const auto touch = [&](double depth, double way_out) {
+        if (depth < 0) return;
+        contacts.push_back({joint.a, joint.b, x_b + of_b, way_out * axis, depth, stop.bounce,
+                            std::pair<const void*, const void*>(joint.id, &stop), !stop.slides});
+      };
+      touch(stop.low - at, 1);
+      touch(at - stop.high, -1);
+    }
+  }
 }
 
 /// ODE leaves it to the caller to look inside the spaces of a space.
@@ -95,7 +119,7 @@ void Collider::meet(const Mechanism& mechanism, dGeomID one, dGeomID other, std:
                         {geom.normal[0], geom.normal[1], geom.normal[2]},
                         geom.depth,
                         bounce->restitution,
-                        std::minmax(one, other)});
+                        std::minmax<const void*>(one, other)});
   }
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace odeval::engine_rk4 {
@@ -15,36 +16,47 @@ using Indices = std::vector<Eigen::Index>;
 constexpr double dependent = 1e-11;
 constexpr double rounding = 1e-13;  // of the largest b: a row violated by less is satisfied
 
-/// The active rows and columns of A, factored.
+/// The active rows and columns of A, factored: L L'.
 class Active {
  public:
-  explicit Active(const Eigen::MatrixXd& a) : a_(a) {}
+  explicit Active(const Eigen::MatrixXd& a) : a_(a), l_(a.rows(), a.rows()) {}
 
   const Indices& rows() const { return rows_; }
   bool holds(Eigen::Index row) const { return std::ranges::find(rows_, row) != rows_.end(); }
   void add(Eigen::Index row) {
     rows_.push_back(row);
-    factor();
+    factor_last(size() - 1);
   }
   void remove(Eigen::Index row) {
-    std::erase(rows_, row);
-    factor();
+    const auto at = std::ranges::find(rows_, row);
+    const auto first = at - rows_.begin();
+    rows_.erase(at);
+    for (Eigen::Index k = first; k < size(); ++k) factor_last(k);
   }
   /// Of the active rows of a vector.
   Eigen::VectorXd solve(const Eigen::VectorXd& all) const {
     Eigen::VectorXd x = all(rows_);
-    if (!rows_.empty()) cholesky_.solveInPlace(x);
+    const auto l = l_.topLeftCorner(size(), size());
+    l.triangularView<Eigen::Lower>().solveInPlace(x);
+    l.triangularView<Eigen::Lower>().transpose().solveInPlace(x);
     return x;
   }
 
  private:
-  void factor() {
-    if (!rows_.empty()) cholesky_.compute(a_(rows_, rows_));
+  Eigen::Index size() const { return static_cast<Eigen::Index>(rows_.size()); }
+  /// Row k of L, from those before it.
+  void factor_last(Eigen::Index k) {
+    const Eigen::Index row = rows_[static_cast<std::size_t>(k)];
+    Eigen::VectorXd l(k);
+    for (Eigen::Index i = 0; i < k; ++i) l[i] = a_(row, rows_[static_cast<std::size_t>(i)]);
+    l_.topLeftCorner(k, k).triangularView<Eigen::Lower>().solveInPlace(l);
+    l_.row(k).head(k) = l.transpose();
+    l_(k, k) = std::sqrt(std::max(a_(row, row) - l.squaredNorm(), std::numeric_limits<double>::min()));
   }
 
   const Eigen::MatrixXd& a_;
   Indices rows_;
-  Eigen::LLT<Eigen::MatrixXd> cholesky_;
+  Eigen::MatrixXd l_;
 };
 
 struct Stop {
@@ -65,9 +77,7 @@ Stop move(Eigen::VectorXd& p, const Indices& rows, const Eigen::VectorXd& direct
   return stop;
 }
 
-}  // namespace
-
-Eigen::VectorXd complementary(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
+Eigen::VectorXd complementary_of_coupled(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
   Eigen::VectorXd p = Eigen::VectorXd::Zero(b.size());
   if (b.size() == 0) return p;
   const double enough = rounding * b.cwiseAbs().maxCoeff();
@@ -103,6 +113,36 @@ Eigen::VectorXd complementary(const Eigen::MatrixXd& a, const Eigen::VectorXd& b
       if (stop.by == worst) hopeless[static_cast<std::size_t>(worst)] = 1;  // violated by rounding only
     }
   }
+  return p;
+}
+
+}  // namespace
+
+std::vector<std::vector<Eigen::Index>> coupled(const Eigen::MatrixXd& a) {
+  std::vector<Indices> groups;
+  std::vector<char> met(static_cast<std::size_t>(a.rows()), 0);
+  for (Eigen::Index first = 0; first < a.rows(); ++first) {
+    if (met[static_cast<std::size_t>(first)] != 0) continue;
+    met[static_cast<std::size_t>(first)] = 1;
+    Indices group{first};
+    for (std::size_t k = 0; k < group.size(); ++k) {
+      for (Eigen::Index other = 0; other < a.rows(); ++other) {
+        if (met[static_cast<std::size_t>(other)] != 0 || a(group[k], other) == 0) continue;
+        met[static_cast<std::size_t>(other)] = 1;
+        group.push_back(other);
+      }
+    }
+    std::ranges::sort(group);
+    groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+Eigen::VectorXd complementary(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
+  const auto groups = coupled(a);
+  if (groups.size() == 1) return complementary_of_coupled(a, b);
+  Eigen::VectorXd p = Eigen::VectorXd::Zero(b.size());
+  for (const Indices& group : groups) p(group) = complementary_of_coupled(a(group, group), b(group));
   return p;
 }
 

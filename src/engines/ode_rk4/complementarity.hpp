@@ -1,6 +1,7 @@
 #pragma once
 // Linear complementarity: which contacts push, and how much.
 #include <Eigen/Core>
+#include <vector>
 
 namespace odeval::engine_rk4 {
 
@@ -9,5 +10,8 @@ namespace odeval::engine_rk4 {
 /// contacts push. Where several contacts say the same, A p is unique and p is not; as few as possible get a share. Rows
 /// that nothing can satisfy (b asks both jaws of a vice to give way) are left as they are.
 Eigen::VectorXd complementary(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
+
+/// Rows that have a part in each other, directly or through others.
+std::vector<std::vector<Eigen::Index>> coupled(const Eigen::MatrixXd& a);
 
 }  // namespace odeval::engine_rk4

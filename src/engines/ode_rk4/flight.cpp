@@ -14,11 +14,28 @@ namespace {
 constexpr double touch_depth = 1e-12;
 // What rests lies this deep, m: a thousand times deeper than contacts are rounded, so that it is found in every step.
 constexpr double rest_depth = 1e-9;
+// Geoms this near, m, that an impact closes touched when it happened: rows and corners that touch do so to rounding.
+constexpr double touching_distance = 1e-9;
+// m: points of one pair of geoms nearer than this are one contact.
+constexpr double same_point = 1e-6;
 constexpr double mendable = 1e-9;  // m, rad: smaller joint errors are left to the projection at the end of the step
+// Bodies and contacts of the impacts located in one step: more are a crowd. To locate one costs ten steps or so of all
+// bodies, so a ball between walls may have 24 impacts in a step, and a figure of eleven bodies four.
+constexpr std::size_t crowd = 48;
+// Steps without a bounce after which a crowd is at rest.
+constexpr int calm_steps = 10;
 constexpr int most_bisections = 100;
+constexpr int most_changes = 20;           // of motors in one step; after that they go on as they are
+constexpr double time_rounding = 1e-15;    // of what is left of the step
+constexpr double beyond_rounding = 1e-14;  // of a motor's limit or velocity
+constexpr double near_newton = 0.02;       // of the bracket: Newton's method misses by the square of what it moved
 constexpr int most_pushes = 10;
 
 bool same_geoms(const Contact& one, const Contact& other) { return one.geoms == other.geoms; }
+
+bool among(const std::vector<Contact>& contacts, const Contact& contact) {
+  return std::ranges::any_of(contacts, [&](const Contact& other) { return same_geoms(contact, other); });
+}
 
 double deepest_of(const std::vector<Contact>& contacts) {
   double deepest = 0;
@@ -30,8 +47,11 @@ double deepest_of(const std::vector<Contact>& contacts) {
 
 void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
   const std::vector<Contact> rested = resting_;
+  const int crowded = crowded_;
+  std::size_t struck = 0;
   touches_.clear();
   stopped_.clear();
+  struck_.clear();
   all_stopped_ = false;
   forces_ = &forces;
   here_ = state;
@@ -40,10 +60,14 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
     double t = 0;
     for (int impacts = 1;; ++impacts) {
       move(t, h - t, there_);
-      if (!collider_.works()) break;
+      if (!collider_.works(motion_.mechanism())) break;
       look(there_);
       if (deepest(there_) == nullptr) {
         hold(there_);
+        break;
+      }
+      if (crowded_ > 0) {
+        settle_crowd(there_, h - t);
         break;
       }
       // What rests has been let go for the step, and what it carries with it: is there still a touch once it is held?
@@ -58,6 +82,8 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
       }
       const double passed = locate(t, h - t);
       t += passed;
+      struck += contacts_.size() + here_.size();
+      if (struck > crowd) crowded_ = calm_steps;
       impact(t, passed <= 0, impacts >= options_.most_impacts);
       if (t < h) continue;
       there_ = here_;
@@ -67,19 +93,71 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
     if (!finite(there_)) refuse("the motion left the finite numbers; take a smaller step");
   } catch (...) {
     resting_ = rested;
+    crowded_ = crowded;
     touches_.clear();
     throw;
   }
+  if (crowded_ > 0) ++crowded_steps_;
   std::swap(state, there_);
 }
 
 /// From `here_`, which is `after` seconds into the step.
 void Flight::move(double after, double h, State& to) {
+  if (motion_.has_motors()) {
+    move_by_motors(after, h, to);
+  } else {
+    go(here_, after, h, to);
+  }
+}
+
+/// As far as motors do what they do, then on from where one reaches or leaves its limit of force.
+void Flight::move_by_motors(double after, double h, State& to) {
+  State from = here_;
+  std::vector<std::size_t> broken;
+  std::vector<double> shares;
+  const double end = after + h;
+  for (int change = 0;; ++change) {
+    motion_.drive(from, *forces_, after, broken);
+    const double longest = end - after;
+    go(from, after, longest, to);
+    motion_.beyond(to, *forces_, end, shares);
+    const auto most = [&] { return *std::ranges::max_element(shares); };
+    if (most() <= 0 || change == most_changes) return;
+    // The first moment at which one is beyond: regula falsi after Illinois.
+    double low = 0, high = longest, at_low = -1, at_high = most();
+    for (int round = 0; round < most_bisections && high - low > time_rounding * longest; ++round) {
+      double guess =
+          round % 3 == 2 || at_low == -1 ? (low + high) / 2 : low + (high - low) * at_low / (at_low - at_high);
+      if (!(guess > low && guess < high)) break;
+      go(from, after, guess, to);
+      motion_.beyond(to, *forces_, after + guess, shares);
+      const bool found = std::fabs(most()) < beyond_rounding;
+      (found || most() > 0 ? high : low) = guess;
+      (found || most() > 0 ? at_high : at_low) = most();
+      if (found) break;
+    }
+    if (most() <= -beyond_rounding) {
+      go(from, after, high, to);
+      motion_.beyond(to, *forces_, after + high, shares);
+    }
+    broken.clear();
+    for (std::size_t m = 0; m < shares.size(); ++m) {
+      if (shares[m] <= -beyond_rounding || !motion_.holds(m)) continue;
+      motion_.let_slip(m);
+      broken.push_back(m);
+    }
+    after += high;
+    from = to;
+  }
+}
+
+void Flight::go(State& from, double after, double h, State& to) {
   forces_->start = after;
-  JointErrors errors = motion_.step(here_, *forces_, h, to);
+  JointErrors errors = motion_.step(from, *forces_, h, to);
   if (errors.before.size > mendable) {
-    settle(here_, options_.start_gap);
-    errors = motion_.step(here_, *forces_, h, to);
+    settle(from, options_.start_gap);
+    if (motion_.has_motors()) motion_.drive(from, *forces_, after, {});
+    errors = motion_.step(from, *forces_, h, to);
   }
   if (!finite(to)) refuse("the motion left the finite numbers; take a smaller step");
   // Equations that repeat others are left out: a closed loop that does not quite close keeps its gap.
@@ -102,11 +180,13 @@ void Flight::refuse_apart(const JointError& error, const std::string& when) cons
          joint.id);
 }
 
+/// Geoms that do not bounce any more in this step.
+bool Flight::stopped(const Contact& contact) const { return all_stopped_ || among(stopped_, contact); }
+
 /// A contact of geoms that rested when this part of the step began, and did not approach at this point then, along the
 /// normal of that time: what approaches at its end is what the forces did.
 bool Flight::rests(const Contact& contact, const State& at) const {
-  const auto between_the_same = [&](const Contact& other) { return same_geoms(contact, other); };
-  if (all_stopped_ || std::ranges::any_of(stopped_, between_the_same)) return true;
+  if (stopped(contact)) return true;
   const Contact* nearest = nullptr;
   for (const Contact& other : resting_) {
     if (!same_geoms(contact, other)) continue;
@@ -120,11 +200,15 @@ bool Flight::rests(const Contact& contact, const State& at) const {
   return normal_speed(then, at, here_) >= -options_.rest_speed;
 }
 
-/// The deepest contact that is not at rest, if any.
+/// The deepest contact that is not at rest, if any. What lies side by side overlaps by rounding, and what was struck at
+/// `here_` still does as it leaves: both have to close.
 const Contact* Flight::deepest(const State& at) const {
   const Contact* found = nullptr;
   for (const Contact& contact : contacts_) {
     if (contact.depth <= 0 || (found != nullptr && contact.depth <= found->depth) || rests(contact, at)) continue;
+    const bool leaves = contact.depth <= options_.start_gap && among(struck_, contact);
+    const bool has_to_close = contact.depth <= touch_depth || leaves;
+    if (has_to_close && normal_speed(contact, at) >= 0) continue;
     found = &contact;
   }
   return found;
@@ -136,10 +220,11 @@ double Flight::locate(double after, double longest) {
   double free = 0;
   double touching = longest;
   Contact touch = *deepest(there_);
-  bool fell_short = false;  // Newton's method, which then needs a better start
+  int fell_short =
+      0;  // how often in a row: then the touch is near the last one, at a share of what is left, or it is not
   for (int round = 0; round < most_bisections && touch.depth > touch_depth; ++round) {
     const double closing = -normal_speed(touch, there_);
-    const double newton = closing > 0 && !fell_short ? touching - (touch.depth - touch_depth / 2) / closing : free;
+    const double newton = closing > 0 && fell_short == 0 ? touching - (touch.depth - touch_depth / 2) / closing : free;
     if (newton <= 0 && round == 0) {  // it may have begun in contact
       look(here_);
       const Contact* const at_once = deepest(here_);
@@ -149,13 +234,16 @@ double Flight::locate(double after, double longest) {
         return 0;
       }
     }
-    const double guess = newton > free && newton < touching ? newton : (free + touching) / 2;
+    // Depths jump where other corners come into play.
+    if (round > 0 && closing > 0 && closing * (touching - free) <= touch_depth / 2) break;
+    const double share = fell_short == 1 ? near_newton : 0.5;
+    const double guess = newton > free && newton < touching ? newton : free + share * (touching - free);
     if (!(guess > free && guess < touching)) break;
     move(after, guess, trial_);
     look(trial_);
     const Contact* const found = deepest(trial_);
-    fell_short = found == nullptr;
-    if (fell_short) {
+    fell_short = found == nullptr ? fell_short + 1 : 0;
+    if (fell_short > 0) {
       free = guess;
       continue;
     }
@@ -168,30 +256,73 @@ double Flight::locate(double after, double longest) {
   return touching;
 }
 
+/// Adds to the contacts at `there_` those that their impact closes within rounding. Returns true if there are any.
+bool Flight::add_closed_by_strike() {
+  State struck = there_;
+  strike(struck);
+  std::vector<Twist> change(struck.size());
+  double fastest = 0;
+  for (std::size_t i = 0; i < struck.size(); ++i) {
+    change[i].linear = struck[i].twist.linear - there_[i].twist.linear;
+    change[i].angular = struck[i].twist.angular - there_[i].twist.angular;
+    fastest = std::max({fastest, change[i].linear.norm(), change[i].angular.norm()});
+  }
+  if (fastest <= 0) return false;
+  const double ahead = touching_distance / fastest;
+  for (std::size_t i = 0; i < struck.size(); ++i) {
+    struck[i].pose.position += ahead * change[i].linear;
+    turn_by(ahead * change[i].angular, struck[i].pose.turn);
+  }
+  std::vector<Contact> before = contacts_;
+  look(struck);
+  std::erase_if(contacts_, [&](const Contact& contact) {
+    return std::ranges::any_of(before, [&](const Contact& other) {
+      return same_geoms(contact, other) && (contact.point - other.point).norm() < same_point;
+    });
+  });
+  const bool more = !contacts_.empty();
+  before.insert(before.end(), contacts_.begin(), contacts_.end());
+  contacts_ = std::move(before);
+  return more;
+}
+
+void Flight::strike(State& state) const {
+  Impact(motion_, contacts_, state).strike(state, options_.impact_order, options_.rest_speed);
+}
+
 /// At `there_`, which becomes `here_`: the next part of the step starts from it.
 void Flight::impact(double t, bool at_once, bool last) {
-  const auto resting =
+  // What rests was let go since `here_`: it stops first, and gives nothing back of that.
+  std::vector<Contact> resting = contacts_;
+  std::erase_if(resting, [this](const Contact& contact) { return !rests(contact, there_); });
+  if (!resting.empty()) Impact(motion_, resting, there_).stop(there_);
+  const auto damp = [&] {
+    for (Contact& contact : contacts_) {
+      if (last || stopped(contact)) contact.restitution = 0;
+    }
+  };
+  do damp();
+  while (add_closed_by_strike());
+  const auto rest =
       std::ranges::stable_partition(contacts_, [this](const Contact& contact) { return !rests(contact, there_); });
-  const std::span<Contact> striking(contacts_.begin(), resting.begin());
+  const std::span<Contact> striking(contacts_.begin(), rest.begin());
   std::swap(here_, there_);
   const auto speed = [this](const Contact& contact) { return normal_speed(contact, here_); };
   const Contact& fastest = *std::ranges::min_element(striking, {}, speed);
   const std::size_t touch = touches_.size();
   touches_.push_back({t, -speed(fastest), 0, striking.size()});
   tell(options_.before_impact, touches_[touch]);
-  for (Contact& contact : resting) contact.restitution = 0;
-  for (Contact& contact : striking) {
-    if (last || speed(contact) > -options_.rest_speed) contact.restitution = 0;
-  }
-  Impact(motion_, contacts_, here_).strike(here_);
+  strike(here_);
   touches_[touch].departure = speed(fastest);
   tell(options_.after_impact, touches_[touch]);
 
   // What leaves slowly stays, and so does what comes again without time passing.
   for (const Contact& contact : striking) {
     if (speed(contact) <= options_.rest_speed) resting_.push_back(contact);
-    if (at_once) stopped_.push_back(contact);
+    if (at_once && among(struck_, contact)) stopped_.push_back(contact);
   }
+  if (!at_once) struck_.clear();
+  struck_.insert(struck_.end(), striking.begin(), striking.end());
   all_stopped_ = last;
 }
 
@@ -202,6 +333,37 @@ void Flight::tell(const std::function<void(const Touch&)>& observer, const Touch
   observer(touch);
 }
 
+/// The rest of a step in which contacts crowd, by the scheme of Moreau and Jean: free motion to its end, there one
+/// impact of all contacts, by the speeds at which they closed before the forces of the step. Poses follow half of the
+/// change of velocity, which is what holds what rests in its place, and leave half of what overlaps besides to the next
+/// step: all of it at once would push a heap apart.
+void Flight::settle_crowd(State& state, double h) {
+  bool bounced = false;
+  for (Contact& contact : contacts_) {
+    const bool comes = normal_speed(contact, state, here_) < -options_.rest_speed;
+    bounced = bounced || comes;
+    if (!comes) contact.restitution = 0;
+  }
+  crowded_ = bounced ? calm_steps : crowded_ - 1;
+  motion_.project(state);  // the matrix of this pose, for the impulses
+  const Impact impact(motion_, contacts_, state);
+  std::vector<Twist> by(state.size());
+  const State free = state;
+  impact.strike(state, options_.impact_order, options_.rest_speed);
+  resting_.clear();
+  for (Contact& contact : contacts_) {
+    if (normal_speed(contact, state) <= options_.rest_speed) resting_.push_back(contact);
+    const double apart = h / 2 * (normal_speed(contact, state) - normal_speed(contact, free));
+    contact.depth = (contact.depth - apart - rest_depth) / 2;
+  }
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    by[i].linear = h / 2 * (state[i].twist.linear - free[i].twist.linear);
+    by[i].angular = h / 2 * (state[i].twist.angular - free[i].twist.angular);
+  }
+  const State before = state;
+  if (!(impact.push_out(0, state, by).size <= mendable)) state = before;
+}
+
 /// At the end of a step, with its contacts at hand: what rests stops and is pushed out of what it rests on. Returns
 /// true if something touches that does not rest.
 bool Flight::hold(State& state) {
@@ -209,7 +371,6 @@ bool Flight::hold(State& state) {
   const auto at_rest = [&] {
     touched = deepest(state) != nullptr;
     std::erase_if(contacts_, [&](const Contact& contact) { return !rests(contact, state); });
-    for (Contact& contact : contacts_) contact.restitution = 0;
   };
   at_rest();
   if (!contacts_.empty()) motion_.project(state);  // the matrix of this pose, for the impulses
@@ -217,9 +378,11 @@ bool Flight::hold(State& state) {
   for (int push = 0; push < most_pushes && !contacts_.empty(); ++push) {
     if (push > 0 && deepest_of(contacts_) <= 2 * rest_depth) break;
     const Impact impact(motion_, contacts_, state);
-    impact.strike(state);
-    if (!(impact.push_out(rest_depth, state).size <= mendable)) {
-      refuse("what rests can not be pushed apart with its joints kept; take a smaller step");
+    impact.stop(state);
+    const State before = state;
+    if (!(impact.push_out(rest_depth, state).size <= mendable)) {  // between jaws of joints
+      state = before;
+      break;
     }
     look(state);
     at_rest();

@@ -1,5 +1,6 @@
 #pragma once
 // From one end of a step to the other: free motion, impacts where they fall, and rest at its end.
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,20 +21,31 @@ class Flight {
 
   /// Impacts of the last step, in order.
   const std::vector<Touch>& touches() const { return touches_; }
+  /// Steps so far that a crowd of contacts ended.
+  std::size_t crowded_steps() const { return crowded_steps_; }
   /// Forgets what rests.
-  void start_anew() { resting_.clear(); }
+  void start_anew() {
+    resting_.clear();
+    crowded_ = 0;
+  }
 
  private:
   void move(double after, double h, State& to);
+  void move_by_motors(double after, double h, State& to);
+  void go(State& from, double after, double h, State& to);
   void settle(State& state, double most) const;
   [[noreturn]] void refuse_apart(const JointError& error, const std::string& when) const;
   void look(const State& state) { collider_.look(motion_.mechanism(), state, contacts_); }
+  bool stopped(const Contact& contact) const;
   bool rests(const Contact& contact, const State& at) const;
   const Contact* deepest(const State& at) const;
   double locate(double after, double longest);
   void impact(double t, bool at_once, bool last);
+  void strike(State& state) const;
+  bool add_closed_by_strike();
   void tell(const std::function<void(const Touch&)>& observer, const Touch& touch) const;
   bool hold(State& state);
+  void settle_crowd(State& state, double h);
 
   Motion& motion_;
   Collider& collider_;
@@ -44,7 +56,10 @@ class Flight {
   std::vector<Contact> contacts_;  // of the state last looked at
   std::vector<Contact> resting_;   // at the end of the last step, and what came to rest since
   std::vector<Contact> stopped_;   // their geoms do not bounce any more in this step
+  std::vector<Contact> struck_;    // at `here_`
   bool all_stopped_ = false;
+  int crowded_ = 0;  // steps that are left to the crowd's scheme if nothing bounces
+  std::size_t crowded_steps_ = 0;
   std::vector<Touch> touches_;
 };
 

@@ -24,6 +24,8 @@ std::string kind(dJointID joint) {
       return "universal joint";
     case dJointTypeFixed:
       return "fixed joint";
+    case dJointTypeAMotor:
+      return "angular motor";
     case dJointTypeContact:
       return "contact joint";
     default:
@@ -113,7 +115,7 @@ class JointReader {
     dBodyID b = dJointGetBody(id, 1);
     reversed_ = a == nullptr;
     if (reversed_) std::swap(a, b);
-    joint_ = {id, numbers.at(a), b == nullptr ? world_body : numbers.at(b), {}, {}, {}};
+    joint_ = {id, numbers.at(a), b == nullptr ? world_body : numbers.at(b), {}, {}, {}, {}, {}};
     a_ = frame_of(a);
     b_ = frame_of(b);
   }
@@ -124,18 +126,24 @@ class JointReader {
         anchors(dJointGetBallAnchor, dJointGetBallAnchor2);
         break;
       case dJointTypeHinge:
-        free_of_motor(dJointGetHingeParam);
+        motor(dJointGetHingeParam, 0, false, axis(dJointGetHingeAxis), Motor::Carrier::a);
+        hinge_stop();
         anchors(dJointGetHingeAnchor, dJointGetHingeAnchor2);
         along(axis(dJointGetHingeAxis));
         break;
       case dJointTypeUniversal:
-        free_of_motor(dJointGetUniversalParam);
+        for (const int group : {0, 0x100}) no_stops(dJointGetUniversalParam, group);
+        motor(dJointGetUniversalParam, 0, false, axis(reversed_ ? dJointGetUniversalAxis2 : dJointGetUniversalAxis1),
+              Motor::Carrier::a);
+        motor(dJointGetUniversalParam, 0x100, false,
+              axis(reversed_ ? dJointGetUniversalAxis1 : dJointGetUniversalAxis2), Motor::Carrier::b);
         anchors(dJointGetUniversalAnchor, dJointGetUniversalAnchor2);
         square(axis(reversed_ ? dJointGetUniversalAxis2 : dJointGetUniversalAxis1),
                axis(reversed_ ? dJointGetUniversalAxis1 : dJointGetUniversalAxis2));
         break;
       case dJointTypeSlider:
-        free_of_motor(dJointGetSliderParam);
+        motor(dJointGetSliderParam, 0, true, slider_axis(), Motor::Carrier::a);
+        slider_stop();
         slide(axis(dJointGetSliderAxis));
         same_turn();
         break;
@@ -143,10 +151,14 @@ class JointReader {
         point(b_.position, b_.position);
         same_turn();
         break;
+      case dJointTypeAMotor:
+        if (dJointGetAMotorMode(id_) != dAMotorUser) refuse_this(" has mode dAMotorEuler; dAMotorUser is supported");
+        angular_motors();
+        break;
       default:
         refuse_this(
-            " is of a kind that is not supported; ball, hinge, slider, universal and fixed are, and contacts are made "
-            "by the step itself");
+            " is of a kind that is not supported; ball, hinge, slider, universal and fixed are, and angular "
+            "motors, and contacts are made by the step itself");
     }
     return joint_;
   }
@@ -157,14 +169,49 @@ class JointReader {
   using GetVector = void (*)(dJointID, dReal*);
   using GetParameter = dReal (*)(dJointID, int);
 
-  void free_of_motor(GetParameter get) const {
-    for (const int group : {0, 0x100}) {
-      if (group != 0 && dJointGetType(id_) != dJointTypeUniversal) continue;
-      if (get(id_, dParamFMax + group) != 0) refuse_this(" has a motor; set its dParamFMax to 0");
-      if (get(id_, dParamLoStop + group) > -dInfinity || get(id_, dParamHiStop + group) < dInfinity) {
-        refuse_this(" has stops; they are not supported: set dParamLoStop to -dInfinity and dParamHiStop to dInfinity");
-      }
+  void no_stops(GetParameter get, int group) const {
+    if (get(id_, dParamLoStop + group) == -dInfinity && get(id_, dParamHiStop + group) == dInfinity) return;
+    refuse_this(
+        " has stops; only hinges and sliders may: set dParamLoStop to -dInfinity and dParamHiStop to dInfinity");
+  }
+
+  void motor(GetParameter get, int group, bool slides, const Vector3d& in_world, Motor::Carrier carrier) {
+    if (get(id_, dParamFMax + group) == 0) return;
+    const Vector3d in_frame = carrier == Motor::Carrier::a   ? a_.direction(in_world)
+                              : carrier == Motor::Carrier::b ? b_.direction(in_world)
+                                                             : in_world;
+    joint_.motors.push_back({slides, in_frame, carrier, group, 0, 0});
+  }
+
+  void angular_motors() {
+    for (int k = 0; k < dJointGetAMotorNumAxes(id_); ++k) {
+      no_stops(dJointGetAMotorParam, 0x100 * k);
+      dVector3 v;
+      dJointGetAMotorAxis(id_, k, v);
+      const int rel = dJointGetAMotorAxisRel(id_, k);
+      motor(dJointGetAMotorParam, 0x100 * k, false, vector(v).normalized(),
+            rel == 0                  ? Motor::Carrier::world
+            : (rel == 1) != reversed_ ? Motor::Carrier::a
+                                      : Motor::Carrier::b);
     }
+  }
+  void stop(GetParameter get, bool slides, const Vector3d& axis, const Vector3d& of_a, const Vector3d& of_b,
+            double at_start) {
+    const double low = get(id_, dParamLoStop), high = get(id_, dParamHiStop);
+    if (low == -dInfinity && high == dInfinity) return;
+    joint_.stops.push_back({slides, a_.direction(axis), of_a, of_b, at_start, low, high, get(id_, dParamBounce)});
+  }
+  void hinge_stop() {
+    const Vector3d n = axis(dJointGetHingeAxis);
+    const Vector3d across = n.unitOrthogonal();
+    const double angle = (reversed_ ? -1 : 1) * dJointGetHingeAngle(id_);
+    stop(dJointGetHingeParam, false, n, a_.direction(across), b_.direction(Eigen::AngleAxisd(-angle, n) * across), 0);
+  }
+  /// Motors and stops of a slider go by the position that ODE reports; those of a hinge do not.
+  Vector3d slider_axis() const { return (reversed_ ? -1 : 1) * axis(dJointGetSliderAxis); }
+  void slider_stop() {
+    stop(dJointGetSliderParam, true, slider_axis(), a_.point(b_.position), b_.point(b_.position),
+         dJointGetSliderPosition(id_));
   }
 
   Vector3d axis(GetVector get) const {
@@ -243,6 +290,7 @@ Mechanism read_mechanism(dWorldID world, dSpaceID space, std::span<dxBody* const
       mechanism.joints.push_back(JointReader(id, mechanism.numbers).read());
     }
   }
+  read_motors(mechanism);
   for (std::size_t i = 0; i < mechanism.joints.size(); ++i) {
     const Joint& one = mechanism.joints[i];
     for (std::size_t j = i + 1; j < mechanism.joints.size(); ++j) {
@@ -252,6 +300,50 @@ Mechanism read_mechanism(dWorldID world, dSpaceID space, std::span<dxBody* const
     }
   }
   return mechanism;
+}
+
+void read_motors(Mechanism& mechanism) {
+  for (Joint& joint : mechanism.joints) {
+    for (Motor& motor : joint.motors) {
+      const auto get = [&](int parameter) {
+        switch (dJointGetType(joint.id)) {
+          case dJointTypeHinge:
+            return dJointGetHingeParam(joint.id, parameter + motor.group);
+          case dJointTypeSlider:
+            return dJointGetSliderParam(joint.id, parameter + motor.group);
+          case dJointTypeUniversal:
+            return dJointGetUniversalParam(joint.id, parameter + motor.group);
+          default:
+            return dJointGetAMotorParam(joint.id, parameter + motor.group);
+        }
+      };
+      motor.velocity = get(dParamVel);
+      motor.most = get(dParamFMax);
+      if (!std::isfinite(motor.velocity) || !(motor.most >= 0)) {
+        refuse(name(joint) + " has a motor with a velocity that is not finite, or no limit of force of 0 or more",
+               mechanism.bodies[joint.a].id, joint.id);
+      }
+    }
+  }
+}
+
+MotorLine line_of(const Joint& joint, const Motor& motor, const State& state, std::span<const Matrix3d> turns) {
+  MotorLine line{motor.axis, Vector3d::Zero(), Vector3d::Zero()};
+  if (motor.carrier == Motor::Carrier::a) line.axis = turns[joint.a] * motor.axis;
+  if (motor.carrier == Motor::Carrier::b && joint.b != world_body) line.axis = turns[joint.b] * motor.axis;
+  if (motor.slides && !joint.slides.empty() && joint.b != world_body) {
+    line.on_a = state[joint.b].pose.position - state[joint.a].pose.position;
+  }
+  return line;
+}
+
+double motor_speed(const Joint& joint, const MotorLine& line, bool slides, const State& state) {
+  const auto of = [&](std::size_t body, const Vector3d& arm) {
+    if (body == world_body) return 0.0;
+    const Twist& twist = state[body].twist;
+    return line.axis.dot(slides ? Vector3d(twist.linear + twist.angular.cross(arm)) : twist.angular);
+  };
+  return of(joint.a, line.on_a) - of(joint.b, line.on_b);
 }
 
 void constrain(const Joint& joint, const State& state, std::span<const Matrix3d> turns, JointRows& rows) {
@@ -309,6 +401,33 @@ void constrain(const Joint& joint, const State& state, std::span<const Matrix3d>
     rows.error[k] = p.dot(apart);
     rows.bias[k] = w_a.cross(w_a.cross(p)).dot(apart) + 2 * w_a.cross(p).dot(apart_rate) +
                    p.dot(w_b.cross(w_b.cross(r_b)) - w_a.cross(w_a.cross(r_a)));
+    ++k;
+  }
+  for (const Motor& motor : joint.motors) {
+    rows.of_a.row(k).setZero();
+    rows.of_b.row(k).setZero();
+    rows.bias[k] = 0;
+    if (motor.drive == Drive::holds) {
+      const MotorLine line = line_of(joint, motor, state, turns);
+      const Vector3d& n = line.axis;
+      const Vector3d carried = motor.carrier == Motor::Carrier::a   ? w_a
+                               : motor.carrier == Motor::Carrier::b ? w_b
+                                                                    : zero;
+      const Vector3d turning = carried.cross(n);
+      if (motor.slides) {
+        // The point of a that is at b's centre now moves through a.
+        const Vector3d apart = v_a + w_a.cross(line.on_a) - v_b;
+        const Vector3d arm_rate = line.on_a.isZero(0) ? zero : Vector3d(v_b - v_a);
+        rows.of_a.block<1, 3>(k, 0) = n.transpose();
+        rows.of_b.block<1, 3>(k, 0) = -n.transpose();
+        rows.of_a.block<1, 3>(k, 3) = line.on_a.cross(n).transpose();
+        rows.bias[k] = turning.dot(apart) + n.dot(w_a.cross(arm_rate));
+      } else {
+        rows.of_a.block<1, 3>(k, 3) = n.transpose();
+        rows.of_b.block<1, 3>(k, 3) = -n.transpose();
+        rows.bias[k] = turning.dot(w_a - w_b);
+      }
+    }
     ++k;
   }
 }

@@ -64,17 +64,53 @@ struct Slide {
   Vector3d on_a, on_b;  // points
 };
 
+/// What a motor may do at the moment.
+enum class Drive {
+  released,  // nothing: in impacts, which last no time
+  holds,     // keeps its velocity: one more equation
+  pushes,    // at its limit of force
+};
+/// A motor along or about one axis.
+struct Motor {
+  enum class Carrier { world, a, b };
+  bool slides;    // along the axis, else about it
+  Vector3d axis;  // in the frame of its carrier
+  Carrier carrier;
+  int group;        // of ODE's parameters
+  double velocity;  // of a against b, m/s or rad/s
+  double most;      // N or N m
+  Drive drive = Drive::released;
+  double force = 0;  // on a, while it pushes
+};
+
+/// How far a hinge may turn or a slider may slide, of a against b.
+struct Stop {
+  bool slides;
+  Vector3d axis;  // in a's frame
+  Vector3d of_a;  // in a's frame: of a slider, where its axis meets `of_b`; of a hinge, a direction square to its axis
+  Vector3d of_b;  // in b's frame: a point; or the direction that `of_a` has at angle 0
+  double at_start;  // m, of a slider where the points meet
+  double low, high;
+  double bounce;
+};
+
 struct Joint {
   dJointID id;
   std::size_t a, b;  // b may be world_body
   std::vector<Point> points;
   std::vector<Square> squares;
   std::vector<Slide> slides;
+  std::vector<Motor> motors;
+  std::vector<Stop> stops;
 
-  Eigen::Index rows() const { return static_cast<Eigen::Index>(3 * points.size() + squares.size() + slides.size()); }
+  /// Of constraints; those of motors come after.
+  Eigen::Index constraints() const {
+    return static_cast<Eigen::Index>(3 * points.size() + squares.size() + slides.size());
+  }
+  Eigen::Index rows() const { return constraints() + static_cast<Eigen::Index>(motors.size()); }
 };
 
-/// What one joint says at one state. Rows beyond its own are zero.
+/// What one joint says at one state. Rows beyond its own are zero, as are those of motors that do not hold.
 struct JointRows {
   Matrix6 of_a, of_b;  // J, columns (linear, angular)
   Vector6 error;       // C: m, or rad for squares
@@ -97,6 +133,17 @@ Matrix3d rotation(const Eigen::Vector4d& turn);
 /// Reads the given bodies, those of the space's geoms in the order they were made, and what their joints lead to, and
 /// numbers them in this order; those of an earlier reading keep theirs. Throws AccurateStepError.
 Mechanism read_mechanism(dWorldID world, dSpaceID space, std::span<dxBody* const> given, const Mechanism& earlier = {});
+
+/// Velocities and limits of motors, as they are now.
+void read_motors(Mechanism& mechanism);
+/// The line of a motor, and the point that a force along it acts at (of those at the bodies' centres, none).
+struct MotorLine {
+  Vector3d axis;
+  Vector3d on_a, on_b;  // arms from the bodies' centres
+};
+MotorLine line_of(const Joint& joint, const Motor& motor, const State& state, std::span<const Matrix3d> turns);
+/// Of a against b, m/s or rad/s.
+double motor_speed(const Joint& joint, const MotorLine& line, bool slides, const State& state);
 
 /// "the hinge between body 0 and body 1"
 std::string name(const Joint& joint);

@@ -13,7 +13,10 @@ constexpr double redundant_pivot = 1e-12;
 // m, rad. A correction of this size leaves its square, which is rounding; what a step of ordinary size needs is
 // smaller.
 constexpr double small_correction = 1e-7;
-constexpr double closed = 1e-13;  // m, rad: a hundred roundings of a body's size
+// Of a motor's velocity, and m/s or rad/s: it is there. Found to rounding by those who look for it.
+constexpr double reached = 1e-9;
+constexpr double limit_rounding = 1e-12;  // of a motor's limit
+constexpr double closed = 1e-13;          // m, rad: a hundred roundings of a body's size
 
 Eigen::Vector4d turn_rate(const Vector3d& w, const Eigen::Vector4d& q) {
   const Vector3d v = q.tail<3>();
@@ -23,7 +26,14 @@ Eigen::Vector4d turn_rate(const Vector3d& w, const Eigen::Vector4d& q) {
   return rate;
 }
 
-/// A turn by a small rotation vector in the world, exact in its angle.
+std::vector<Eigen::Index> rows_of(const std::vector<Joint>& joints) {
+  std::vector<Eigen::Index> rows;
+  for (const Joint& joint : joints) rows.push_back(joint.rows());
+  return rows;
+}
+
+}  // namespace
+
 void turn_by(const Vector3d& angle, Eigen::Vector4d& q) {
   const double size = angle.norm();
   const double half = size / 2;
@@ -37,19 +47,18 @@ void turn_by(const Vector3d& angle, Eigen::Vector4d& q) {
   q.normalize();
 }
 
-std::vector<Eigen::Index> rows_of(const std::vector<Joint>& joints) {
-  std::vector<Eigen::Index> rows;
-  for (const Joint& joint : joints) rows.push_back(joint.rows());
-  return rows;
-}
-
-}  // namespace
-
 Motion::Motion(Mechanism mechanism)
     : mechanism_(std::move(mechanism)), matrix_(rows_of(mechanism_.joints), mechanism_.neighbours) {
   const std::size_t bodies = mechanism_.bodies.size();
   const std::size_t joints = mechanism_.joints.size();
   turns_.resize(bodies);
+  jointed_.resize(bodies, 0);
+  for (std::size_t j = 0; j < joints; ++j) {
+    const Joint& joint = mechanism_.joints[j];
+    jointed_[joint.a] = 1;
+    if (joint.b != world_body) jointed_[joint.b] = 1;
+    for (std::size_t k = 0; k < joint.motors.size(); ++k) motors_.push_back({j, k});
+  }
   inverse_inertias_.resize(bodies);
   acceleration_.resize(bodies);
   correction_.resize(bodies);
@@ -83,7 +92,7 @@ void Motion::add_product(std::size_t i, std::size_t j, std::size_t body, Matrix6
   const Matrix6& weighted = weighted_[i][body == one.a ? 0 : 1];
   const Matrix6& row = first ? rows.of_a : rows.of_b;
   block.noalias() += weighted.rightCols<3>() * row.rightCols<3>().transpose();
-  if (one.slides.empty() && other.slides.empty()) {
+  if (!one.points.empty() && !other.points.empty()) {
     const bool same_side = (body == one.a) == first;
     block.diagonal().head<3>().array() += (same_side ? 1 : -1) * mechanism_.bodies[body].inverse_mass;
   } else {
@@ -105,6 +114,11 @@ void Motion::factor() {
     Matrix6& diagonal = matrix_.diagonal(j);
     add_product(j, j, joint.a, diagonal);
     add_product(j, j, joint.b, diagonal);
+    // Motors that do not hold have no equation.
+    for (std::size_t k = 0; k < joint.motors.size(); ++k) {
+      const Eigen::Index row = joint.constraints() + static_cast<Eigen::Index>(k);
+      if (joint.motors[k].drive != Drive::holds) diagonal(row, row) = 1;
+    }
   }
   for (std::size_t p = 0; p < mechanism_.neighbours.size(); ++p) {
     auto [i, j] = mechanism_.neighbours[p];
@@ -148,8 +162,96 @@ void Motion::accelerate(const State& state, const std::vector<Wrench>& forces) {
     acceleration_[i].linear = body.inverse_mass * forces[i].force;
     acceleration_[i].angular.noalias() = inverse_inertias_[i] * (forces[i].torque - w.cross(spin));
   }
+  for (const MotorPlace& place : motors_) {
+    const Motor& motor = place.of(mechanism_);
+    if (motor.drive != Drive::pushes) continue;
+    const Joint& joint = mechanism_.joints[place.joint];
+    const MotorLine line = line_of(joint, motor, state, turns_);
+    const auto push = [&](std::size_t body, const Vector3d& arm, const Vector3d& force) {
+      if (body == world_body) return;
+      const Twist change =
+          free_change(body, motor.slides ? Wrench{force, arm.cross(force)} : Wrench{Vector3d::Zero(), force});
+      acceleration_[body].linear += change.linear;
+      acceleration_[body].angular += change.angular;
+    };
+    push(joint.a, line.on_a, motor.force * line.axis);
+    push(joint.b, line.on_b, -motor.force * line.axis);
+  }
   for (std::size_t j = 0; j < rows_.size(); ++j) lambda_[j] = rows_[j].bias;
   solve_onto(acceleration_);
+}
+
+void Motion::release() {
+  for (const MotorPlace& place : motors_) place.of(mechanism_).drive = Drive::released;
+}
+
+void Motion::feel(const State& state, Forces& forces, double t) {
+  if (forces.renew) forces.renew(t, state, forces.now);
+  accelerate(state, forces.now);
+}
+
+double Motion::too_fast(const MotorPlace& place, const State& state) const {
+  const Joint& joint = mechanism_.joints[place.joint];
+  const Motor& motor = place.of(mechanism_);
+  return motor_speed(joint, line_of(joint, motor, state, turns_), motor.slides, state) - motor.velocity;
+}
+
+/// That it holds with.
+double Motion::motor_force(const MotorPlace& place) const {
+  const Eigen::Index row = mechanism_.joints[place.joint].constraints() + static_cast<Eigen::Index>(place.motor);
+  return lambda_[place.joint][row];
+}
+
+void Motion::drive(const State& state, Forces& forces, double t, std::span<const std::size_t> broken) {
+  stage_ = state;
+  look(state);
+  std::vector<char> at_speed(motors_.size(), 0), decided(motors_.size(), 0);
+  for (std::size_t m = 0; m < motors_.size(); ++m) {
+    Motor& motor = motors_[m].of(mechanism_);
+    const double fast = too_fast(motors_[m], state);
+    at_speed[m] = std::fabs(fast) <= reached * (1 + std::fabs(motor.velocity)) && motor.most > 0 ? 1 : 0;
+    if (at_speed[m] == 0) {
+      motor.drive = Drive::pushes;
+      motor.force = fast > 0 ? -motor.most : motor.most;
+    } else if (std::ranges::find(broken, m) == broken.end()) {
+      motor.drive = Drive::holds;
+    }
+  }
+  // Each that can not hold changes what the others have to hold.
+  for (std::size_t round = 0; round <= motors_.size(); ++round) {
+    feel(state, forces, t);
+    bool changed = false;
+    for (std::size_t m = 0; m < motors_.size(); ++m) {
+      Motor& motor = motors_[m].of(mechanism_);
+      if (at_speed[m] == 0 || decided[m] != 0) continue;
+      if (motor.drive == Drive::holds && std::fabs(motor_force(motors_[m])) > motor.most * (1 + limit_rounding)) {
+        let_slip(m);
+        decided[m] = 1;
+        changed = true;
+      }
+    }
+    if (!changed) break;
+  }
+}
+
+void Motion::let_slip(std::size_t m) {
+  Motor& motor = motors_[m].of(mechanism_);
+  motor.force = std::copysign(motor.most, motor_force(motors_[m]));
+  motor.drive = Drive::pushes;
+}
+
+void Motion::beyond(const State& state, Forces& forces, double t, std::vector<double>& shares) {
+  feel(state, forces, t);
+  shares.resize(motors_.size());
+  for (std::size_t m = 0; m < motors_.size(); ++m) {
+    const Motor& motor = motors_[m].of(mechanism_);
+    if (motor.drive == Drive::holds) {
+      shares[m] = std::fabs(motor_force(motors_[m])) / motor.most - 1 - limit_rounding;
+    } else {
+      const double fast = too_fast(motors_[m], state);
+      shares[m] = (motor.force > 0 ? fast : motor.force < 0 ? -fast : -1) / (1 + std::fabs(motor.velocity));
+    }
+  }
 }
 
 JointErrors Motion::step(const State& from, Forces& forces, double h, State& to) {
@@ -211,6 +313,7 @@ JointError Motion::displace(const std::vector<Twist>& by, State& state) {
 }
 
 JointErrors Motion::project(State& state) {
+  release();
   look(state);
   factor();
   return finish(state);
@@ -224,7 +327,10 @@ JointErrors Motion::finish(State& state) {
   // It at least halves the error a round or has failed: then the caller judges what is left.
   for (double error = errors.before.size;;) {
     correct(state);
-    if (error < small_correction && matrix_.left_out() == 0) break;
+    if (error < small_correction && matrix_.left_out() == 0) {
+      errors.after = {};  // its square
+      break;
+    }
     look(state);
     errors.after = largest_error();
     if (errors.after.size <= closed || !(errors.after.size < error / 2)) break;
@@ -238,6 +344,12 @@ JointErrors Motion::finish(State& state) {
 void Motion::project_velocities(State& state) {
   for (std::size_t i = 0; i < state.size(); ++i) correction_[i] = state[i].twist;
   for (Vector6& lambda : lambda_) lambda.setZero();
+  for (const MotorPlace& place : motors_) {
+    const Motor& motor = place.of(mechanism_);
+    const Joint& joint = mechanism_.joints[place.joint];
+    const Eigen::Index row = joint.constraints() + static_cast<Eigen::Index>(place.motor);
+    if (motor.drive == Drive::holds) lambda_[place.joint][row] = -motor.velocity;
+  }
   solve_onto(correction_);
   for (std::size_t i = 0; i < state.size(); ++i) state[i].twist = correction_[i];
 }
@@ -255,16 +367,27 @@ void Motion::correct(State& state) {
 void Motion::respond(const std::vector<Wrench>& impulses, std::vector<Twist>& change) {
   change.resize(impulses.size());
   for (std::size_t i = 0; i < impulses.size(); ++i) {
-    change[i].linear = mechanism_.bodies[i].inverse_mass * impulses[i].force;
-    change[i].angular = inverse_inertias_[i] * impulses[i].torque;
+    change[i] = free_change(i, impulses[i]);
   }
   for (Vector6& lambda : lambda_) lambda.setZero();
   solve_onto(change);
 }
 
-Wrench Motion::force(const Matrix6& row, std::size_t joint) const {
+Wrench Motion::force(const Matrix6& row, std::size_t joint, double sign) const {
   const Vector6 f = row.transpose() * stage_lambda_[joint];
-  return {f.head<3>(), f.tail<3>()};
+  Wrench sum{f.head<3>(), f.tail<3>()};
+  for (const Motor& motor : mechanism_.joints[joint].motors) {
+    if (motor.drive != Drive::pushes) continue;
+    const MotorLine line = line_of(mechanism_.joints[joint], motor, stage_, turns_);
+    const Vector3d force = sign * motor.force * line.axis;
+    if (motor.slides) {
+      sum.force += force;
+      sum.torque += (sign > 0 ? line.on_a : line.on_b).cross(force);
+    } else {
+      sum.torque += force;
+    }
+  }
+  return sum;
 }
 
 }  // namespace odeval::engine_rk4

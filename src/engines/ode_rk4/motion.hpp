@@ -8,6 +8,7 @@
 // corrected, which is itself of fifth order in the step).
 #include <array>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "engines/ode_rk4/block_ldl.hpp"
@@ -26,6 +27,9 @@ struct Rate {
   Eigen::Vector4d turn;
   Twist twist;
 };
+
+/// A turn by a rotation vector in the world, exact in its angle.
+void turn_by(const Vector3d& angle, Eigen::Vector4d& q);
 
 /// On every body, gravity included. `renew`, if any, is asked for them at the time and the state of each stage.
 struct Forces {
@@ -54,12 +58,32 @@ class Motion {
   /// A state moved by h, joints kept. Errors: of the state that it started from, and of the one it came to.
   JointErrors step(const State& from, Forces& forces, double h, State& to);
 
-  /// Moves poses onto the joints, then velocities. Errors: as found, and what could not be mended.
+  /// Reads velocities and limits of the motors anew.
+  void read_motors() { engine_rk4::read_motors(mechanism_); }
+  bool has_motors() const { return !motors_.empty(); }
+  /// Decides which motors hold and which push from this state on, `t` into the step. `broken` ones hold no more.
+  void drive(const State& state, Forces& forces, double t, std::span<const std::size_t> broken);
+  /// How far each motor is beyond what it does, at a state that a step came to: it holds with more than its limit, or
+  /// has passed its velocity while it pushes. Positive: it has to change; as shares of its limit and its velocity.
+  void beyond(const State& state, Forces& forces, double t, std::vector<double>& shares);
+  bool holds(std::size_t motor) const { return motors_[motor].of(mechanism_).drive == Drive::holds; }
+  /// Makes it push as it held.
+  void let_slip(std::size_t motor);
+
+  /// Moves poses onto the joints, then velocities, with motors released. Errors: as found, and what could not be
+  /// mended.
   JointErrors project(State& state);
 
   /// The change of all velocities that impulses (N s, N m s) on bodies make, joints kept, at the pose of the last
   /// `project` or `displace`.
   void respond(const std::vector<Wrench>& impulses, std::vector<Twist>& change);
+
+  /// Is it one of a joint's bodies? The world is not.
+  bool jointed(std::size_t body) const { return body != world_body && jointed_[body] != 0; }
+  /// The change of a body's velocity that an impulse makes without joints.
+  Twist free_change(std::size_t body, const Wrench& impulse) const {
+    return {mechanism_.bodies[body].inverse_mass * impulse.force, inverse_inertias_[body] * impulse.torque};
+  }
 
   /// Moves poses by displacements (m, rad), then projects. Returns the joint error that could not be mended.
   JointError displace(const std::vector<Twist>& by, State& state);
@@ -69,11 +93,17 @@ class Motion {
 
   /// Of a joint on its first and on its second body: J' lambda in N and N m about the body's centre, as the last
   /// stage of the last step had it.
-  Wrench force_on_a(std::size_t joint) const { return force(rows_of_stage_[joint].of_a, joint); }
-  Wrench force_on_b(std::size_t joint) const { return force(rows_of_stage_[joint].of_b, joint); }
+  Wrench force_on_a(std::size_t joint) const { return force(rows_of_stage_[joint].of_a, joint, 1); }
+  Wrench force_on_b(std::size_t joint) const { return force(rows_of_stage_[joint].of_b, joint, -1); }
 
  private:
-  Wrench force(const Matrix6& row, std::size_t joint) const;
+  struct MotorPlace {
+    std::size_t joint, motor;
+    Motor& of(Mechanism& mechanism) const { return mechanism.joints[joint].motors[motor]; }
+    const Motor& of(const Mechanism& mechanism) const { return mechanism.joints[joint].motors[motor]; }
+  };
+
+  Wrench force(const Matrix6& row, std::size_t joint, double sign) const;
   void look(const State& state);     // rotation matrices, inertias, rows
   JointError largest_error() const;  // of the rows
   void factor();                     // the matrix of the rows
@@ -81,11 +111,17 @@ class Motion {
   void accelerate(const State& state, const std::vector<Wrench>& forces);
   JointErrors finish(State& state);
   void project_velocities(State& state);
+  void release();
+  void feel(const State& state, Forces& forces, double t);
+  double too_fast(const MotorPlace& place, const State& state) const;
+  double motor_force(const MotorPlace& place) const;
   void correct(State& state);                   // poses, once, by the errors of the rows
   void solve_onto(std::vector<Twist>& twists);  // twists -= M^-1 J' A^-1 (J twists + right-hand side in lambda_)
 
   Mechanism mechanism_;
   BlockLdl matrix_;
+  std::vector<char> jointed_;
+  std::vector<MotorPlace> motors_;
   std::vector<Matrix3d> turns_;
   std::vector<Matrix3d> inverse_inertias_;  // world frame
   std::vector<JointRows> rows_;

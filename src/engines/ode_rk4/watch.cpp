@@ -60,12 +60,19 @@ bool look_at_joints(const Mechanism& mechanism, See&& see) {
     const dJointID id = joint.id;
     const dJointType type = dJointGetType(id);
     const auto limits = [&](dReal (*get)(dJointID, int), int group) {
-      return see(bits(get(id, dParamFMax + group))) && see(bits(get(id, dParamLoStop + group))) &&
-             see(bits(get(id, dParamHiStop + group)));
+      // A motor's velocity and limit are read at every step, and so are none of what it has not.
+      return see(bits(get(id, dParamFMax + group) != 0 ? 1 : 0)) && see(bits(get(id, dParamLoStop + group))) &&
+             see(bits(get(id, dParamHiStop + group))) && see(bits(get(id, dParamBounce + group)));
     };
     bool same = see(bits(static_cast<int>(type))) && see(bits(dJointIsEnabled(id))) &&
                 see(bits(dJointGetBody(id, 0))) && see(bits(dJointGetBody(id, 1)));
     if (type == dJointTypeHinge) same = same && limits(dJointGetHingeParam, 0);
+    if (type == dJointTypeAMotor) {
+      same = same && see(bits(dJointGetAMotorNumAxes(id))) && see(bits(dJointGetAMotorMode(id)));
+      for (int k = 0; k < dJointGetAMotorNumAxes(id); ++k) {
+        same = same && see(bits(dJointGetAMotorAxisRel(id, k))) && limits(dJointGetAMotorParam, 0x100 * k);
+      }
+    }
     if (type == dJointTypeSlider) same = same && limits(dJointGetSliderParam, 0);
     if (type == dJointTypeUniversal) {
       same = same && limits(dJointGetUniversalParam, 0) && limits(dJointGetUniversalParam, 0x100);

@@ -1,0 +1,92 @@
+// Where contacts crowd: nothing aborts, work is bounded, joints keep, energy does not rise, and what rests does not
+// sink.
+#include "tests/accurate/crowds.hpp"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+
+#include "engines/ode_rk4/accurate_step.hpp"
+#include "tests/check.hpp"
+
+namespace {
+
+using namespace odeval::test;
+using odeval::AccurateStep;
+using odeval::AccurateStepOptions;
+using odeval::Bounce;
+
+/// Largest distance between the anchors of a ball joint.
+double gap(const World& world) {
+  double largest = 0;
+  for (const dBodyID body : world.bodies) {
+    for (int j = 0; j < dBodyGetNumJoints(body); ++j) {
+      dVector3 one, two;
+      dJointGetBallAnchor(dBodyGetJoint(body, j), one);
+      dJointGetBallAnchor2(dBodyGetJoint(body, j), two);
+      largest = std::max(largest, (vec(one) - vec(two)).norm());
+    }
+  }
+  return largest;
+}
+
+struct Scene {
+  const char* name;
+  void (*build)(World&);
+  double overlap;  // at the end, at most, m
+};
+
+/// Work is counted in evaluations of the accelerations (`forces` is called at each); a step without contacts takes
+/// four.
+void check_scene(const Scene& scene, double restitution, const std::function<void(AccurateStepOptions&)>& change) {
+  constexpr double h = 5e-3;
+  constexpr int steps = 1000;
+  World world;
+  scene.build(world);
+  AccurateStepOptions options;
+  long evaluations = 0;
+  options.contact = [restitution](dGeomID, dGeomID) { return std::optional(Bounce{restitution}); };
+  options.forces = [&](double) { ++evaluations; };
+  change(options);
+  AccurateStep step(world.id, world.space, options);
+  const double start = world.energy();
+  long all = 0, most = 0;
+  double highest = start, apart = 0;
+  std::size_t touches = 0;
+  for (int k = 0; k < steps; ++k) {
+    evaluations = 0;
+    step(h);
+    all += evaluations;
+    most = std::max(most, evaluations);
+    highest = std::max(highest, world.energy());
+    apart = std::max(apart, gap(world));
+    touches += step.touches().size();
+  }
+  const double deep = overlap(world);
+  std::printf(
+      "%-12s restitution %g: %zu touches, %zu crowded steps; %.2f evaluations a step, at most %ld; overlap %.2g m\n",
+      scene.name, restitution, touches, step.crowded_steps(), static_cast<double>(all) / steps, most, deep);
+  CHECK_BETWEEN(static_cast<double>(all) / steps, 4, 3 * 4);
+  CHECK(most <= 60 * 4);
+  CHECK_BETWEEN(highest, start, start + 1e-9 * std::fabs(start));
+  CHECK_BETWEEN(apart, 0, 1e-9);
+  CHECK_BETWEEN(deep, 0, restitution > 0 ? 2e-3 : scene.overlap);  // with some the limbs still slide and hop
+  CHECK(step.crowded_steps() > 0 || options.most_impacts == 1);
+}
+
+}  // namespace
+
+int main() {
+  // A heap of balls without friction rolls on, and what comes together in a step overlaps for a few.
+  const std::array scenes{Scene{"ragdoll", ragdoll, 1e-6}, Scene{"stack of 10", stack_of_10, 1e-6},
+                          Scene{"pile of 50", pile_of_50, 2e-3}};
+  for (const Scene& scene : scenes) {
+    check_scene(scene, 0, [](AccurateStepOptions&) {});
+    check_scene(scene, 0.4, [](AccurateStepOptions&) {});
+  }
+  // Settings that once ended in what could not be pushed apart, or in gaps of joints.
+  for (const int most : {1, 4}) check_scene(scenes[0], 0, [=](AccurateStepOptions& o) { o.most_impacts = most; });
+  check_scene(scenes[0], 0, [](AccurateStepOptions& o) { o.rest_speed = 0.05; });
+  check_scene(scenes[0], 0, [](AccurateStepOptions& o) { o.impact_order = odeval::ImpactOrder::in_turn; });
+  return odeval::test::verdict();
+}
