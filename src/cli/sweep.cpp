@@ -115,7 +115,8 @@ class SweepProgress {
       text +=
           fmt::format(" {:.3g} runs/s, {} left", rate, time_text(static_cast<double>(total_ - journal.rows()) / rate));
     }
-    for (const auto status : {sweep::Status::diverged, sweep::Status::crashed, sweep::Status::timeout}) {
+    for (const auto status :
+         {sweep::Status::diverged, sweep::Status::crashed, sweep::Status::timeout, sweep::Status::suspect}) {
       if (journal.rows(status) > 0) text += fmt::format(", {} {}", journal.rows(status), status_name(status));
     }
     line_.show(text);
