@@ -130,7 +130,8 @@ struct Outcome {
   long evaluations = 0;                   // of the equations of motion; 0 for an engine that does not say
   bool diverged = false;                  // a value left the finite numbers, or the engine gave up
   std::string reason;                     // why, when diverged
-  long messages = 0;                      // warnings of the engine
+  long messages = 0;                      // of ODE: complaints that it prints and goes on after
+  std::string first_message;              // the text of the first of them
   double at_rest_from = -1;               // s, when a cascade of impacts came to rest; < 0: never
   std::optional<double> self_difference;  // rad, largest difference between a method's own runs at two step sizes
   std::vector<Impact> impacts;            // in the order of time

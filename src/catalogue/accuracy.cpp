@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "odeval/error.hpp"
+#include "output/summary.hpp"
 #include "reference/planar/reference_solution.hpp"
 
 namespace odeval::catalogue {
@@ -93,6 +94,7 @@ Trial Accuracy::try_setting(const Method& method, double setting) const {
     trial.error = *evaluator.measure(run, scenario_.duration_s)[quantity::max_error_q];
     trial.steps = run.outcome.steps;
     trial.evaluations = run.outcome.evaluations;
+    trial.suspect = suspicion(run.outcome);
   } catch (const MachineError&) {  // CVODE gave up at a tolerance it cannot keep
   }
   return trial;

@@ -31,8 +31,10 @@ struct Trial {
   double uncertainty = 0;                                  // rad, the reference's uncertainty
   long steps = 0;
   long evaluations = 0;  // of the equations of motion; 0 for an engine that does not say
+  std::string suspect;   // what ODE itself said of the run; empty: nothing
 
-  bool keeps(double max_error) const { return error + uncertainty <= max_error; }
+  /// Of a run that is to be believed.
+  bool keeps(double max_error) const { return suspect.empty() && error + uncertainty <= max_error; }
 };
 
 /// The cheapest setting found, or why there is none.

@@ -10,6 +10,10 @@ bool anywhere(const Scenario&) { return true; }
 bool touching(const Scenario& scenario) { return !scenario.mechanism.contacts.empty(); }
 bool constrained(const Scenario& scenario) { return !scenario.mechanism.joints.empty() || touching(scenario); }
 bool sprung(const Scenario& scenario) { return !scenario.planar && !scenario.mechanism.joints.empty(); }
+bool bouncing(const Scenario& scenario) {
+  return std::ranges::any_of(scenario.mechanism.contacts,
+                             [&](const Contact& contact) { return scenario.ode.bounce || contact.restitution > 0; });
+}
 bool rubbing(const Scenario& scenario) {
   return std::ranges::any_of(scenario.mechanism.contacts,
                              [](const Contact& contact) { return contact.friction && contact.friction->limit > 0; });
@@ -22,9 +26,10 @@ constexpr std::array of_quickstep{
     on_constraints("ode.iterations"), on_constraints("ode.sor_w"), on_constraints("ode.seed"),
     // and what dWorldStep reads as well:
     on_constraints("ode.erp"), on_constraints("ode.cfm"), on_constraints("ode.kp"), on_constraints("ode.kd"),
-    on_contacts("ode.bounce"), on_contacts("ode.bounce_vel"), on_contacts("ode.max_correcting_vel"),
-    on_contacts("ode.surface_layer"), EngineSetting{"ode.friction_axes", rubbing, "contacts that rub"},
-    EngineSetting{"ode.start", anywhere, ""}, EngineSetting{"ode.gyroscopic", anywhere, ""}};
+    on_contacts("ode.bounce"), EngineSetting{"ode.bounce_vel", bouncing, "contacts that bounce"},
+    on_contacts("ode.max_correcting_vel"), on_contacts("ode.surface_layer"),
+    EngineSetting{"ode.friction_axes", rubbing, "contacts with friction"}, EngineSetting{"ode.start", anywhere, ""},
+    EngineSetting{"ode.gyroscopic", anywhere, ""}};
 constexpr std::size_t only_quickstep = 3;
 constexpr std::array of_accurate_step{on_contacts("ode.bounce")};
 constexpr EngineSetting on_spring(std::string_view key) { return {key, sprung, "joints or contacts"}; }

@@ -1,12 +1,16 @@
 #include "catalogue/evaluation.hpp"
 
+#include <algorithm>
 #include <ctime>
+#include <utility>
 
 #include "measure/body_trace.hpp"
 #include "measure/cartesian_trace.hpp"
 #include "measure/conditioning.hpp"
 #include "measure/metrics.hpp"
 #include "model/generate.hpp"
+#include "output/number.hpp"
+#include "output/summary.hpp"
 #include "reference/closed_form/body_solution.hpp"
 #include "reference/planar/generalized_trace.hpp"
 #include "reference/planar/reference_solution.hpp"
@@ -41,7 +45,19 @@ std::unique_ptr<Simulation> make_as_asked(const Method& method, const Scenario& 
   return method.make(earlier, grid);
 }
 
+std::vector<std::string> suspects;
+
 }  // namespace
+
+void note_suspect(const Evaluation& run, const Scenario& scenario) {
+  const std::string why = suspicion(run.outcome);
+  if (why.empty()) return;
+  std::string line =
+      scenario.name + " in " + std::string(run.method->name) + ", h = " + number_text(scenario.step_s) + " s: " + why;
+  if (std::ranges::find(suspects, line) == suspects.end()) suspects.push_back(std::move(line));
+}
+
+std::vector<std::string> take_suspects() { return std::exchange(suspects, {}); }
 
 double cpu_seconds() {
   timespec now{};
@@ -82,7 +98,9 @@ Evaluation Evaluator::evaluate(const Method& method, const OdeSettings& ode) {
   Trace trace = read(scenario_, grid_, motion);
   compare(trace, reference());
   if (scenario_.planar) add_conditioning(trace, scenario_, method.inverts);
-  return {&method, std::move(outcome), std::move(trace), cpu_s};
+  Evaluation run{&method, std::move(outcome), std::move(trace), cpu_s};
+  note_suspect(run, scenario_);
+  return run;
 }
 
 Metrics Evaluator::measure(const Evaluation& evaluation, double until_s) {

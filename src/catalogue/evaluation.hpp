@@ -1,6 +1,8 @@
 #pragma once
 // A scenario in a method beside the reference: the sentence the whole program says.
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "catalogue/methods.hpp"
 #include "odeval/metrics.hpp"
@@ -47,6 +49,13 @@ class Evaluator {
   SampleGrid grid_;
   std::shared_ptr<const Reference> reference_;  // null: not needed yet
 };
+
+/// Keeps what ODE itself said of a run for `take_suspects`; `evaluate` has done so once.
+void note_suspect(const Evaluation& run, const Scenario& scenario);
+
+/// The runs of this process that ODE itself complained of, since the last call, each once: "SCENARIO in
+/// ode-step-double, h = 0.001 s: 736 messages of ODE (LCP internal error)".
+std::vector<std::string> take_suspects();
 
 /// CPU seconds this thread has used.
 double cpu_seconds();

@@ -9,6 +9,7 @@
 
 #include "catalogue/reference_bytes.hpp"
 #include "odeval/error.hpp"
+#include "output/summary.hpp"
 #include "output/sweep_table.hpp"
 
 namespace odeval::catalogue {
@@ -108,8 +109,11 @@ sweep::Row GridRuns::run(long run, long group, std::string_view prepared) {
   const SampleGrid& rows = evaluator.grid();
   const Metrics metrics = evaluator.measure(evaluation, rows.time(rows.rows - 1));
   const Outcome& outcome = evaluation.outcome;
-  return {outcome.diverged ? sweep::Status::diverged : sweep::Status::ok, outcome.reason,
-          std::lround(1e6 * evaluation.cpu_s), result_cells(outcome, metrics)};
+  const sweep::Status status = outcome.diverged       ? sweep::Status::diverged
+                               : outcome.messages > 0 ? sweep::Status::suspect
+                                                      : sweep::Status::ok;
+  return {status, outcome.diverged ? outcome.reason : suspicion(outcome), std::lround(1e6 * evaluation.cpu_s),
+          result_cells(outcome, metrics)};
 }
 
 }  // namespace odeval::catalogue

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "measure/spread.hpp"
+#include "output/summary.hpp"
 
 namespace odeval::catalogue {
 namespace {
@@ -22,6 +23,7 @@ double mean_seconds(TimedRun& run, Clock clock) {
   run.steps = outcome.steps;
   run.evaluations = outcome.evaluations;
   if (outcome.diverged) run.diverged = outcome.reason;
+  run.suspect = suspicion(outcome);
   return seconds / run.batch;
 }
 

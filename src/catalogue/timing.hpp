@@ -19,6 +19,7 @@ struct TimedRun {
   std::vector<double> seconds;  // CPU time of the stepping alone, one a round
   int batch = 1;                // runs that one time is the mean of
   std::string diverged{};       // why the run blew up, which ended its steps; empty: it did not
+  std::string suspect{};        // what ODE itself said of it; empty: nothing
 
   double median_s() const;
   double mad_s() const;  // median absolute deviation

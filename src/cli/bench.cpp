@@ -67,6 +67,7 @@ int bench_at_equal_steps(const BenchOptions& options) {
   std::vector<TimingRow> rows;
   std::vector<Table52Row> table_5_2;
   std::string diverged;
+  std::string suspect;
   {
     Progress progress(plans.size() * static_cast<std::size_t>(options.repeats + 1), options.quiet);
     for (Plan& plan : plans) {
@@ -75,6 +76,9 @@ int bench_at_equal_steps(const BenchOptions& options) {
       time_with_progress(runs, plan.evaluator.scenario().name, options.repeats, progress);
       for (const auto& run : runs) {
         rows.push_back(catalogue::timing_row(run));
+        if (!run.suspect.empty()) {
+          suspect += fmt::format("odeval: {} {} is suspect: {}\n", rows.back().scenario, run.method->name, run.suspect);
+        }
         if (run.diverged.empty()) continue;
         diverged += fmt::format("odeval: {} {} diverged: {}; its times are of the {} steps until then\n",
                                 rows.back().scenario, run.method->name, run.diverged, run.steps);
@@ -100,7 +104,7 @@ int bench_at_equal_steps(const BenchOptions& options) {
     }
     std::cout << "\nCPU time of the stepping alone. Wrote " << folder.string() << "/timing.csv\n";
   }
-  std::cerr << diverged;
+  std::cerr << suspect << diverged;
   return diverged.empty() ? 0 : 1;
 }
 

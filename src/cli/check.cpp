@@ -12,6 +12,7 @@
 #include "measure/metrics.hpp"
 #include "model/find_scenario.hpp"
 #include "output/checks.hpp"
+#include "output/summary.hpp"
 
 namespace odeval::cli {
 namespace {
@@ -44,7 +45,7 @@ std::vector<CheckRow> check_scenario(Scenario scenario) {
   std::map<std::string, catalogue::Evaluation> runs;
   std::vector<CheckRow> rows;
   for (const Tolerance& tolerance : scenario.tolerances) {
-    CheckRow row{scenario.name, tolerance, {}, {}, CheckRow::Verdict::left_out};
+    CheckRow row{scenario.name, tolerance, {}, {}, CheckRow::Verdict::left_out, {}};
     const auto all = catalogue::methods();
     const auto& method = *std::ranges::find(all, tolerance.method, &catalogue::Method::name);
     if (method.make != nullptr) {
@@ -56,6 +57,7 @@ std::vector<CheckRow> check_scenario(Scenario scenario) {
       row.measured = judged_value(tolerance, metrics);
       row.reference_uncertainty = uncertainty_of(tolerance, metrics);
       row.verdict = verdict_of(judge(tolerance, metrics));
+      row.suspect = suspicion(run.outcome);
     }
     rows.push_back(row);
   }

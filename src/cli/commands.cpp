@@ -30,6 +30,18 @@ constexpr std::array table{
 
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
+/// What CLI11 found wrong, in the words of the other messages.
+std::string in_plain_words(const CLI::ParseError& error) {
+  const std::string said = first_line(error.what());
+  const std::string flag = said.substr(0, said.find(':'));
+  if (said.find(": At Most 1 required") != std::string::npos) return flag + ": stands more than once; give it once";
+  if (said.ends_with(" missing")) return flag + ": a value is missing";
+  if (said == "A subcommand is required") return "a command is missing";
+  const std::string_view unread = "Could not convert: ";
+  if (said.starts_with(unread)) return said.substr(unread.size()) + ": is a flag, which takes no value";
+  return said;
+}
+
 /// CLI11 knows what was wrong; this adds the nearest flag or command that would be right.
 [[noreturn]] void refuse(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* command = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
@@ -49,7 +61,7 @@ std::string first_line(const std::string& text) { return text.substr(0, text.fin
     throw UserError(extra.front() + ": no such " + (command == &app ? "command" : "flag") +
                     nearest_hint(extra.front(), known) + "; '" + who + " --help' shows all");
   }
-  throw UserError(first_line(error.what()) + "; '" + who + " --help' shows how");
+  throw UserError(in_plain_words(error) + "; '" + who + " --help' shows how");
 }
 
 }  // namespace

@@ -1,10 +1,13 @@
 #include "cli/flags.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 
+#include "model/nearest.hpp"
 #include "output/number.hpp"
 
 namespace odeval::cli {
@@ -50,7 +53,12 @@ Flag& Flag::check(Check check) {
 }
 
 Flag& Flag::one_of(std::vector<std::string> words) {
-  option_->check(CLI::IsMember(std::move(words)));
+  const std::string all = fmt::format("{}", fmt::join(words, ", "));
+  const auto check = [all, words = std::move(words)](const std::string& text) {
+    const bool right = std::ranges::find(words, text) != words.end();
+    return right ? "" : fmt::format("must be one of {}, not {}{}", all, text, nearest_hint(text, words));
+  };
+  option_->check(CLI::Validator(check, "{" + all + "}"));
   return *this;
 }
 

@@ -21,6 +21,7 @@
 #include "output/csv_cell.hpp"
 #include "output/file.hpp"
 #include "output/number.hpp"
+#include "output/summary.hpp"
 #include "output/table.hpp"
 
 namespace odeval::cli {
@@ -60,6 +61,7 @@ struct Candidate {
   double uncertainty = 0;
   double drift = std::numeric_limits<double>::infinity();
   long steps = 0;
+  std::string suspect{};  // what ODE itself said of the run
   std::string why_not{};  // empty: it keeps the budget
   double median_s = 0;
   double mad_s = 0;
@@ -149,6 +151,10 @@ class Search {
       candidate.setting *= factor;
       excess_before = excess;
     }
+    if (!candidate.suspect.empty()) {
+      candidate.why_not = "suspect: " + candidate.suspect;
+      return candidate;
+    }
     candidate.why_not =
         (candidate.error + candidate.uncertainty > options_.max_error ? "the error between the rows is larger"
                                                                       : "the energy drifts more") +
@@ -216,10 +222,11 @@ class Search {
     candidate.uncertainty = metrics[quantity::reference_uncertainty].value_or(0);
     candidate.drift = *metrics[quantity::max_energy_drift];
     candidate.steps = done.outcome.steps;
+    candidate.suspect = suspicion(done.outcome);
   }
 
   bool keeps(const Candidate& candidate) const {
-    return candidate.error + candidate.uncertainty <= options_.max_error &&
+    return candidate.suspect.empty() && candidate.error + candidate.uncertainty <= options_.max_error &&
            candidate.drift <= options_.max_energy_drift;
   }
 
@@ -281,7 +288,7 @@ std::string table_csv(const std::vector<Candidate>& candidates, const Options& o
                         knob_name(catalogue::knob_of(*candidate.method)), number_text(candidate.setting),
                         number_text(candidate.error), number_text(candidate.uncertainty), number_text(candidate.drift),
                         candidate.steps, keeps ? number_text(candidate.median_s) : "",
-                        keeps ? number_text(candidate.mad_s) : "", keeps ? 1 : 0, candidate.why_not,
+                        keeps ? number_text(candidate.mad_s) : "", keeps ? 1 : 0, csv_cell(candidate.why_not),
                         csv_cell(command_of(candidate, options)));
   }
   return text;

@@ -62,11 +62,16 @@ Runs run_scenarios(Laboratory& laboratory, const Options& options) {
     write_summaries(summaries[name], fs::path(options.out) / name);
     report::Files traces{name + ", trace of every method", {}};
     report::Files settings{name + ", settings, versions and metrics of every run", {}};
+    std::string suspects;
     for (const RunSummary& summary : summaries[name]) {
       const std::string stem = name + "/" + summary.method;
       traces.paths.push_back(stem + ".csv");
       settings.paths.push_back(stem + ".json");
+      if (const std::string why = suspicion(summary.outcome); !why.empty()) {
+        suspects += (suspects.empty() ? "; suspect: " : ", ") + summary.method + ", " + why;
+      }
     }
+    settings.about += suspects;
     runs.files.push_back({name + ", errors, energy drift and impacts", {name + "/summary.csv"}});
     runs.files.push_back(std::move(traces));
     runs.files.push_back(std::move(settings));

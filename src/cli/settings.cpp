@@ -90,7 +90,8 @@ std::vector<Override> Settings::overrides() const {
     overrides.push_back({set.substr(0, equals), set.substr(equals + 1), "--set"});
   }
   for (auto one = overrides.begin(); one != overrides.end(); ++one) {
-    const auto first = std::ranges::find(overrides, one->key, &Override::key);
+    const auto first =
+        std::ranges::find_if(overrides, [&](const Override& other) { return overlap(one->key, other.key); });
     if (first != one)
       throw UserError(typed(*one) + ": " + one->key + " has a value from " + typed(*first) + " already");
   }

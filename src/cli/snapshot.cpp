@@ -16,6 +16,7 @@
 #include "odeval/error.hpp"
 #include "output/file.hpp"
 #include "output/number.hpp"
+#include "output/summary.hpp"
 #include "render/png.hpp"
 #include "render/studio.hpp"
 
@@ -273,6 +274,9 @@ int snapshot(const Options& options) {
       if (const std::string times = album.cut_off(rows); !times.empty()) {
         std::cerr << "odeval: " << method->name << ": the picture does not hold all of the bodies at t = " << times
                   << " s; --camera sees more from farther away\n";
+      }
+      if (const std::string why = suspicion(run.outcome); !why.empty()) {
+        std::cerr << "odeval: " << method->name << " is suspect: " << why << '\n';
       }
       if (run.outcome.diverged) {
         diverged = true;

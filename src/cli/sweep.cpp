@@ -58,9 +58,12 @@ std::vector<sweep::Axis> axes_of(const Options& options, const std::vector<Overr
       throw UserError("--grid " + key + ": give the methods by --method M[,M...]");
     }
     if (key.starts_with("tolerances")) throw UserError("--grid " + key + ": has no meaning for a run");
-    const auto same = std::ranges::find(settings, axes.back().key, &Override::key);
-    if (same != settings.end()) {
-      throw UserError("--grid " + axes.back().key + ": is set by " + same->origin + " as well");
+    const auto same =
+        std::ranges::find_if(settings, [&](const Override& setting) { return overlap(setting.key, key); });
+    if (same != settings.end()) throw UserError("--grid " + key + ": is set by " + typed(*same) + " as well");
+    for (std::size_t i = 0; i + 1 < axes.size(); ++i) {
+      if (overlap(axes[i].key, key))
+        throw UserError("--grid " + key + ": is set by --grid " + axes[i].key + " as well");
     }
   }
   return axes;
@@ -115,7 +118,8 @@ class SweepProgress {
       text +=
           fmt::format(" {:.3g} runs/s, {} left", rate, time_text(static_cast<double>(total_ - journal.rows()) / rate));
     }
-    for (const auto status : {sweep::Status::diverged, sweep::Status::crashed, sweep::Status::timeout}) {
+    for (const auto status :
+         {sweep::Status::diverged, sweep::Status::crashed, sweep::Status::timeout, sweep::Status::suspect}) {
       if (journal.rows(status) > 0) text += fmt::format(", {} {}", journal.rows(status), status_name(status));
     }
     line_.show(text);

@@ -1,3 +1,6 @@
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <array>
 
 #include "experiments/all.hpp"
@@ -53,12 +56,26 @@ constexpr std::array table{
 
 static_assert(std::size(table) == std::size(prose), "a template of no experiment");
 
+/// What stands below a section whose runs ODE itself complained of.
+std::string suspects_text(const std::vector<std::string>& suspects) {
+  constexpr std::size_t most = 5;
+  std::string text =
+      fmt::format("Suspect: ODE itself complained in {} of these runs, whose numbers say little: ", suspects.size());
+  for (std::size_t i = 0; i < std::min(most, suspects.size()); ++i) text += (i == 0 ? "" : "; ") + suspects[i];
+  return text + (suspects.size() > most ? "; and others." : ".");
+}
+
 }  // namespace
 
 std::span<const Experiment> experiments() { return table; }
 
 report::Section section_of(const Experiment& experiment, Laboratory& laboratory, report::Findings& findings) {
-  return report::section_of(std::string(experiment.name), experiment.prose, experiment.run(laboratory, findings));
+  catalogue::take_suspects();  // of whoever ran before
+  report::Section section =
+      report::section_of(std::string(experiment.name), experiment.prose, experiment.run(laboratory, findings));
+  const std::vector<std::string> suspects = catalogue::take_suspects();
+  if (!suspects.empty()) section.blocks.emplace_back(report::Text{suspects_text(suspects)});
+  return section;
 }
 
 }  // namespace odeval::experiments

@@ -27,10 +27,6 @@ std::string text_of(const toml::node& node) {
   return out.str();
 }
 
-bool is_or_holds(std::string_view key, std::string_view path) {
-  return path == key || (path.starts_with(key) && path[key.size()] == '.');
-}
-
 }  // namespace
 
 std::string joined(std::string_view section, std::string_view name) {

@@ -65,7 +65,9 @@ void check_counts(const Draft& draft) {
   }
   for (const auto& [name, column] : {std::pair{"q0", &draft.said.q0}, std::pair{"qd0", &draft.said.qd0}}) {
     const std::string rule =
-        fmt::format("must be a list of {} number{} for {}", count, count == 1 ? "" : "s", problem.name);
+        problem.links == 0
+            ? fmt::format("must be a list of at most n = {} numbers for {}; the rest are 0", count, problem.name)
+            : fmt::format("must be a list of {} number{} for {}", count, count == 1 ? "" : "s", problem.name);
     if (!draft.tree.contains(name)) draft.fail(name, "", "is missing; it " + rule);
     if (column->size() != count) draft.fail(name, shown(*draft.tree.get(name)), rule);
   }

@@ -20,7 +20,18 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+namespace {
+
+bool goes_on(std::string_view word, std::string_view known) {
+  constexpr std::size_t enough = 3;  // letters to tell what was meant
+  return word.size() >= enough && known.starts_with(word);
+}
+
+}  // namespace
+
 std::string nearest(std::string_view word, std::span<const std::string> known) {
+  const auto longer = std::ranges::find_if(known, [word](const std::string& other) { return goes_on(word, other); });
+  if (longer != known.end()) return *longer;
   const auto best = std::min_element(known.begin(), known.end(), [word](const auto& a, const auto& b) {
     return edit_distance(word, a) < edit_distance(word, b);
   });
@@ -29,7 +40,7 @@ std::string nearest(std::string_view word, std::span<const std::string> known) {
 
 std::string nearest_hint(std::string_view word, std::span<const std::string> known) {
   const std::string found = nearest(word, known);
-  if (found.empty() || 2 * edit_distance(word, found) > found.size()) return {};
+  if (found.empty() || (!goes_on(word, found) && 2 * edit_distance(word, found) > found.size())) return {};
   return " (nearest: '" + found + "')";
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // A setting from the command line that replaces one of the scenario file.
 #include <string>
+#include <string_view>
 
 namespace odeval {
 
@@ -9,6 +10,13 @@ struct Override {
   std::string value;   // as in the file: 2, [1.0, 0.5], "half-step"; a bare word needs no quotes
   std::string origin;  // what the user typed: --erp, --set
 };
+
+/// Whether what stands at the path is at the key or in it: "q0" holds "q0.1", "ode" holds "ode.erp".
+constexpr bool is_or_holds(std::string_view key, std::string_view path) {
+  return path == key || (path.starts_with(key) && path[key.size()] == '.');
+}
+/// Whether two keys give one value twice.
+constexpr bool overlap(std::string_view a, std::string_view b) { return is_or_holds(a, b) || is_or_holds(b, a); }
 
 /// The setting as the user typed it: `--erp 1.5`, `--set q0=[1.0]`.
 std::string typed(const Override& setting);

@@ -19,6 +19,10 @@ bool is_section(std::string_view name) {
 // The nearest key by its full name or by its own: `erp` means `ode.erp`. Inside a list the same element is meant.
 [[noreturn]] void fail_unknown(const Draft& draft, std::string_view section, const std::string& path,
                                std::string_view key, const toml::node& node) {
+  if (section.empty() && (node.is_table() || node.is_array_of_tables())) {
+    draft.fail(std::string(key), "", fmt::format("is no known key{}", nearest_hint(key, section_names())),
+               Draft::Blame::parts);
+  }
   std::string best;
   std::size_t least = 0;
   for (const KeyRow& row : key_table()) {

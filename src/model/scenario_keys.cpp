@@ -188,6 +188,11 @@ constexpr SectionRow sections[] = {{"links", true},  {"wall", false}, {"bodies",
 
 std::span<const KeyRow> key_table() { return rows; }
 std::span<const SectionRow> section_table() { return sections; }
+std::vector<std::string> section_names() {
+  std::vector<std::string> names;
+  for (const SectionRow& section : sections) names.emplace_back(section.name);
+  return names;
+}
 
 const KeyRow* find_key(std::string_view section, std::string_view name) {
   for (const KeyRow& row : key_table()) {

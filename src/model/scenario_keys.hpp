@@ -50,6 +50,8 @@ struct SectionRow {
 
 std::span<const KeyRow> key_table();
 std::span<const SectionRow> section_table();
+/// Their names.
+std::vector<std::string> section_names();
 
 /// Null when there is no such key.
 const KeyRow* find_key(std::string_view section, std::string_view name);

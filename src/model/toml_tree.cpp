@@ -9,7 +9,9 @@
 #include <cstring>
 #include <fstream>
 
+#include "model/nearest.hpp"
 #include "model/one_line.hpp"
+#include "model/scenario_keys.hpp"
 #include "odeval/error.hpp"
 
 namespace odeval {
@@ -98,8 +100,14 @@ void apply(toml::table& tree, const Override& setting) {
       return;
     }
   }
-  throw UserError(
-      fmt::format("{}: the scenario has no '{}'; lists count from 0", typed(setting), one_line(setting.key)));
+  const std::vector<std::string> sections = section_names();
+  std::string hint;
+  if (std::ranges::find(sections, parts.front()) == sections.end()) {
+    const std::string meant = nearest_hint(parts.front(), sections).empty() ? "" : nearest(parts.front(), sections);
+    if (!meant.empty()) hint = fmt::format(" (nearest: '{}{}')", meant, setting.key.substr(parts.front().size()));
+  }
+  throw UserError(fmt::format("{}: the scenario has no '{}'{}; lists count from 0", typed(setting),
+                              one_line(setting.key), one_line(hint)));
 }
 
 }  // namespace

@@ -43,6 +43,21 @@ std::string half_step_hint(const std::vector<RunSummary>& runs) {
   return "";
 }
 
+/// Why runs ended early, and what ODE itself said of them.
+std::string reason_lines(const std::vector<RunSummary>& runs) {
+  std::string text;
+  for (const RunSummary& run : runs) {
+    if (run.outcome.diverged && !run.outcome.reason.empty()) {
+      text += fmt::format("diverged   {}: {}\n", run.method, run.outcome.reason);
+    }
+    if (run.outcome.messages > 0) {
+      text += fmt::format("suspect    {}: {}; the first: {}\n", run.method, suspicion(run.outcome),
+                          run.outcome.first_message);
+    }
+  }
+  return text.empty() ? text : "\n" + text;
+}
+
 /// The springs that the joints were given, as ODE was told.
 std::string spring_line(const Scenario& scenario, double step_s) {
   if (!scenario.ode.spring) return "";
@@ -60,6 +75,7 @@ std::string run_report(const std::vector<RunSummary>& runs, std::span<const doub
   std::string text = fmt::format("{}: {:g} s, h = {:g} s, {} rows\n\n", scenario.name, grid.time(grid.rows - 1),
                                  grid.step_s, grid.rows);
   text += summary_table(runs, ns_per_step);
+  text += reason_lines(runs);
   const auto touched = [](const RunSummary& run) { return !run.outcome.impacts.empty(); };
   if (std::ranges::any_of(runs, touched)) text += "\n" + impacts_table(runs, reference.impacts);
   for (const RunSummary& run : runs) {

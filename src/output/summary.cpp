@@ -125,6 +125,12 @@ Json errors_at(const RunSummary& run) {
   return json;
 }
 
+/// Why not to believe the run; empty: no reason.
+std::string reason_of(const Outcome& outcome) {
+  if (outcome.diverged || outcome.messages == 0) return outcome.reason;
+  return "suspect: " + suspicion(outcome);
+}
+
 /// The quantities that summary.csv shows at each error time as well.
 constexpr std::array errors_in_csv{quantity::max_error_q, quantity::rms_error_q, quantity::reference_uncertainty};
 
@@ -148,6 +154,13 @@ std::vector<double> error_times_within(const SampleGrid& grid) {
   return times;
 }
 
+std::string suspicion(const Outcome& outcome) {
+  if (outcome.messages == 0) return "";
+  // Up to its numbers, which are of one step of many: "LCP internal error, s <= 0 (s=-1.6653e-16)".
+  return fmt::format("{} message{} of ODE ({})", outcome.messages, outcome.messages == 1 ? "" : "s",
+                     outcome.first_message.substr(0, outcome.first_message.find(',')));
+}
+
 std::optional<double> restitution(const Impact& impact) {
   if (impact.qd_before == 0) return std::nullopt;
   return -impact.qd_after / impact.qd_before;
@@ -163,8 +176,10 @@ std::string summary_json(const RunSummary& run) {
   json["steps"] = outcome.steps;
   json["evaluations"] = outcome.evaluations;
   json["messages"] = outcome.messages;
+  if (outcome.messages > 0) json["first_message"] = outcome.first_message;
   json["diverged"] = outcome.diverged;
-  json["reason"] = outcome.reason.empty() ? Json() : Json(outcome.reason);
+  const std::string reason = reason_of(outcome);
+  json["reason"] = reason.empty() ? Json() : Json(reason);
   for (const Quantity& row : quantities) json[std::string(row.name)] = json_of(run.metrics[row.id]);
   json["reference_lost_at"] = json_of(run.metrics.reference_lost_at);
   json["error_at"] = errors_at(run);
@@ -187,7 +202,7 @@ std::string summary_csv(const std::vector<RunSummary>& runs) {
     const Outcome& outcome = run.outcome;
     text += fmt::format("{},{},{},{},{},{},{},{},{}", csv_cell(run.scenario.name), csv_cell(run.method),
                         run.is_reference, number_text(run.grid.step_s), number_text(run.grid.time(run.grid.rows - 1)),
-                        outcome.steps, outcome.evaluations, outcome.diverged, csv_cell(outcome.reason));
+                        outcome.steps, outcome.evaluations, outcome.diverged, csv_cell(reason_of(outcome)));
     for (const Quantity& row : quantities) text += ',' + cell(run.metrics[row.id]);
     for (const double time : error_times) {
       const Metrics* at = metrics_at(run, time);

@@ -37,6 +37,10 @@ struct RunSummary {
   NamedTexts versions;
 };
 
+/// Why not to believe a run that ODE itself complained of: "736 messages of ODE (LCP internal error)". Empty: it did
+/// not.
+std::string suspicion(const Outcome& outcome);
+
 /// What an impact kept of the speed it found; empty when it found none.
 std::optional<double> restitution(const Impact& impact);
 

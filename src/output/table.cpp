@@ -30,8 +30,10 @@ std::string error_cell(const RunSummary& run, const Metrics* metrics, quantity::
   return with_uncertainty((*metrics)[error], uncertainty);
 }
 
+/// In a few words: reasons are sentences, and stand below the table.
 std::string status(const RunSummary& run) {
-  if (run.outcome.diverged) return run.outcome.reason.empty() ? "diverged" : "diverged: " + run.outcome.reason;
+  if (run.outcome.diverged) return "diverged";
+  if (run.outcome.messages > 0) return "suspect: " + suspicion(run.outcome);
   return run.is_reference ? "reference" : "ok";
 }
 

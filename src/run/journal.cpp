@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view format = "odeval sweep 2";
 constexpr std::size_t checksum_digits = 8;
 constexpr std::size_t longest_line = 64 << 20;  // a head names every value of the grid
-constexpr std::array<std::string_view, statuses> names{"ok", "diverged", "crashed", "timeout"};
+constexpr std::array<std::string_view, statuses> names{"ok", "diverged", "crashed", "timeout", "suspect"};
 
 // A power failure may cost what came since the last of these.
 constexpr long most_unsynced = 1000;

@@ -30,8 +30,8 @@ struct Head {
   std::string difference(const Head& other) const;
 };
 
-enum class Status { ok, diverged, crashed, timeout };
-inline constexpr std::size_t statuses = 4;
+enum class Status { ok, diverged, crashed, timeout, suspect };
+inline constexpr std::size_t statuses = 5;
 std::string_view status_name(Status status);
 
 /// What a run left.

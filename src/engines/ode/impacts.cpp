@@ -12,10 +12,12 @@ void Impacts::before_step(double t) {
   begun_.clear();
   for (std::size_t i = 0; i < views_.size(); ++i) {
     const double depth = scene_.contacts() > 0 ? depth_of(views_[i]) : -1;
-    if (depth >= 0 && touching_[i] == 0) add(t, i, depth);
+    if (depth >= 0 && touching_[i] == 0 && !lies(t, views_[i])) add(t, i, depth);
     touching_[i] = depth >= 0;
   }
 }
+
+bool Impacts::lies(double t, const ImpactView& view) const { return t == 0 && rate_of(view) >= 0; }
 
 void Impacts::after_step() {
   Impact* impact = impacts_.data() + impacts_.size() - begun_.size();

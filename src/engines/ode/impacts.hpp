@@ -32,6 +32,8 @@ class Impacts {
   double along_normal(const ImpactView& view, const dReal* vector) const;
   double depth_of(const ImpactView& view) const;
   double rate_of(const ImpactView& view) const;
+  /// Whether what touches was there before the run began, and does not approach.
+  bool lies(double t, const ImpactView& view) const;
   void add(double t, std::size_t view, double depth);
 
   std::vector<ImpactView> views_;

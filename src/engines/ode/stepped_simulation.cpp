@@ -27,7 +27,7 @@ SteppedSimulation::SteppedSimulation(const Scenario& scenario, const SampleGrid&
 
 Outcome SteppedSimulation::run(Recorder recorder) {
   Outcome outcome;
-  const long messages_before = message_count();
+  take_messages();      // of whoever ran before
   dRandSetSeed(seed_);  // one seed a process, which QuickStep draws from
   if (recorder) record(recorder.next());
   try {
@@ -42,7 +42,9 @@ Outcome SteppedSimulation::run(Recorder recorder) {
     outcome.diverged = true;
     outcome.reason = when(refused, outcome);
   }
-  outcome.messages = message_count() - messages_before;
+  Messages messages = take_messages();
+  outcome.messages = messages.count;
+  outcome.first_message = std::move(messages.first);
   outcome.impacts = impacts_.take();
   return outcome;
 }
