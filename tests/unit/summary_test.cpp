@@ -13,12 +13,14 @@
 #include "output/sweep_table.hpp"
 #include "output/table.hpp"
 #include "output/timing.hpp"
+#include "tests/cells.hpp"
 #include "tests/check.hpp"
 
 namespace {
 
 using namespace odeval;
 using nlohmann::json;
+using odeval::test::cells;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -80,18 +82,6 @@ void json_has_the_keys_of_the_interface() {
   CHECK_EQUAL(json::parse(summary_json(other))["settings"]["maximal"]["ks"].get<double>(), 25.0);
   CHECK_EQUAL(json::parse(summary_json(other))["settings"]["maximal"]["kd"].get<double>(), 10.0);
   CHECK_EQUAL(json::parse(summary_json(other))["settings"]["rtol"].get<double>(), 1e-3);
-}
-
-std::vector<std::string> cells(const std::string& line) {
-  std::vector<std::string> parts(1);
-  for (const char letter : line) {
-    if (letter == ',') {
-      parts.emplace_back();
-    } else {
-      parts.back() += letter;
-    }
-  }
-  return parts;
 }
 
 void csv_has_a_row_a_method() {
