@@ -25,11 +25,12 @@ void Impacts::after_step() {
 }
 
 void Impacts::begin(double t) {
+  begun_.clear();
+  if (views_.empty()) return;
   std::size_t deepest = 0;
   for (std::size_t i = 1; i < views_.size(); ++i) {
     if (depth_of(views_[i]) > depth_of(views_[deepest])) deepest = i;
   }
-  begun_.clear();
   add(t, deepest, 0);
 }
 

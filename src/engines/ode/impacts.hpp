@@ -14,9 +14,6 @@ class Impacts {
  public:
   Impacts(const Scenario& scenario, const Scene& scene, const LinkAngles& angles);
 
-  /// Whether anything is told at all: without, no contact is looked for.
-  bool any() const { return !views_.empty(); }
-
   /// Before a step from t seconds, with the contacts that act in it: begins the impacts that begin.
   void before_step(double t);
   /// After it: their rates.

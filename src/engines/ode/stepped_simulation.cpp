@@ -11,12 +11,13 @@ SteppedSimulation::SteppedSimulation(const Scenario& scenario, const SampleGrid&
       seed_(scenario.ode.seed),
       scene_(scenario),
       angles_(scenario, scene_),
-      impacts_(scenario, scene_, angles_) {}
+      impacts_(scenario, scene_, angles_),
+      touching_(!scenario.mechanism.contacts.empty()) {}
 
 SteppedSimulation::SteppedSimulation(const Scenario& scenario, const SampleGrid& grid, MakeStepper make_stepper)
     : SteppedSimulation(scenario, grid, StepFunction{}) {
   SteppedWorld world{scene_.world(), scene_.space(), {}, {}, {}};
-  if (impacts_.any()) world.restitution = scenario.ode.bounce.value_or(scenario.restitution());
+  if (touching_) world.restitution = scenario.ode.bounce.value_or(scenario.restitution());
   world.before_impact = [this](double after_s) {
     ++contacts_;
     impacts_.begin(time_of(stepper_steps_) + after_s);
@@ -73,7 +74,7 @@ void SteppedSimulation::step_once(long steps_done) {
     contacts_ = 0;
     stepper_->step(grid_.step_s);
     ++stepper_steps_;
-  } else if (impacts_.any()) {
+  } else if (touching_) {
     step_with_contacts(steps_done);
   } else {
     step_world();

@@ -40,6 +40,7 @@ class SteppedSimulation final : public Simulation {
   Scene scene_;
   LinkAngles angles_;
   Impacts impacts_;
+  bool touching_;  // whether anything may touch anything
   std::unique_ptr<WorldStepper> stepper_;
   long stepper_steps_ = 0;
   int contacts_ = 0;  // in the last step
