@@ -267,6 +267,9 @@ void files_ask_for_what_they_hold() {
 void mechanisms_ask_for_what_they_hold() {
   const Scenario plain = test::report_scenario("single_pendulum", 1, 1e-3);
   CHECK(features_of(plain).empty());
+  // Three links are as few as make many.
+  CHECK_EQUAL(lacking(features_of(test::report_scenario("chain", 1, 1e-3))),
+              "no more than one link, no more than two links");
   Scenario driven = plain;
   driven.mechanism.joints[0].motor = Motor{};
   CHECK_EQUAL(lacking(features_of(driven)), "no motors");
