@@ -16,7 +16,10 @@ class AccurateStepper final : public engine_ode::WorldStepper {
   static AccurateStepOptions options(const engine_ode::SteppedWorld& world) {
     AccurateStepOptions options;
     if (world.restitution) {
-      options.contact = [bounce = Bounce{*world.restitution}](dxGeom*, dxGeom*) { return std::optional(bounce); };
+      options.contact = [of = world.restitution](dxGeom* first, dxGeom* second) -> std::optional<Bounce> {
+        const std::optional<double> restitution = of(first, second);
+        return restitution ? std::optional(Bounce{*restitution}) : std::nullopt;
+      };
     }
     options.before_impact = [tell = world.before_impact](const Touch& touch) { tell(touch.t); };
     options.after_impact = [tell = world.after_impact](const Touch&) { tell(); };

@@ -43,6 +43,9 @@ class Scene {
   /// Of each joint on the body that it carries (Joint::carried), N, as of the last step.
   const std::vector<const dReal*>& joint_forces() const { return joint_forces_; }
 
+  /// How two geoms touch; null: they pass through each other.
+  const Surface* surface_between(dGeomID first, dGeomID second) const;
+
   /// Finds the contacts of the current pose and makes a joint of each; they act in the next step.
   void collide();
   /// Removes the contact joints again.
@@ -61,7 +64,6 @@ class Scene {
   void add_joint(const Joint& joint, dJointID made);
   void number(dGeomID geom, std::string_view name);
   void set_surfaces(const Scenario& scenario);
-  const Surface* surface_between(dGeomID first, dGeomID second) const;
 
   dThreadingImplementationID threading_ = nullptr;
   dWorldID world_ = nullptr;

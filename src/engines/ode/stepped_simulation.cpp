@@ -17,7 +17,12 @@ SteppedSimulation::SteppedSimulation(const Scenario& scenario, const SampleGrid&
 SteppedSimulation::SteppedSimulation(const Scenario& scenario, const SampleGrid& grid, MakeStepper make_stepper)
     : SteppedSimulation(scenario, grid, StepFunction{}) {
   SteppedWorld world{scene_.world(), scene_.space(), {}, {}, {}};
-  if (touching_) world.restitution = scenario.ode.bounce.value_or(scenario.restitution());
+  if (touching_) {
+    world.restitution = [this](dGeomID first, dGeomID second) -> std::optional<double> {
+      const Surface* const surface = scene_.surface_between(first, second);
+      return surface == nullptr ? std::nullopt : std::optional(surface->parameters.bounce);
+    };
+  }
   world.before_impact = [this](double after_s) {
     ++contacts_;
     impacts_.begin(time_of(stepper_steps_) + after_s);

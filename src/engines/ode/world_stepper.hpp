@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+struct dxGeom;
 struct dxSpace;
 struct dxWorld;
 
@@ -13,7 +14,7 @@ namespace odeval::engine_ode {
 struct SteppedWorld {
   dxWorld* world;
   dxSpace* space;
-  std::optional<double> restitution;                  // of every contact; absent: nothing touches anything
+  std::function<std::optional<double>(dxGeom*, dxGeom*)> restitution;  // of two geoms; nothing: they do not touch
   std::function<void(double after_s)> before_impact;  // called with the world's bodies as they are just before
   std::function<void()> after_impact;                 // and just after
 };
