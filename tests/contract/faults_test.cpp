@@ -59,7 +59,7 @@ int main() {
   }
 
   // The accurate step refuses what it cannot do, and leaves the world as it was: a run that ended as well.
-  Scenario coarse = test::report_scenario("double_pendulum", 10.0, 0.05);
+  Scenario coarse = test::report_scenario("double_pendulum", 10.2, 0.3);
   catalogue::Evaluator evaluator(coarse);
   const auto refused = evaluator.evaluate(catalogue::find_method("ode-rk4-double"));
   std::printf("ode-rk4-double: %ld steps; %s\n", refused.outcome.steps, refused.outcome.reason.c_str());
