@@ -91,7 +91,7 @@ Scenario first_point(const Head& head) {
 
 /// The axes that make another motion or look at it at other times, so that errors along them cannot be compared: all
 /// but the step and the settings of engines.
-std::vector<std::size_t> problem_axes(const Head& head, const Scenario& scenario) {
+std::vector<std::size_t> group_axes(const Head& head, const Scenario& scenario) {
   constexpr std::array springs{"ode.erp", "ode.cfm", "ode.kp", "ode.kd"};  // what a joint of bodies is
   const bool sprung = !scenario.planar && !scenario.mechanism.joints.empty();
   std::vector<std::size_t> axes;
@@ -165,8 +165,8 @@ std::string counts_text(const Journal& journal) {
 }
 
 /// Runs whose errors can be compared, and those of them that no other of these beats.
-struct Problem {
-  std::string name;  // "n = 4, duration = 2"; empty where the sweep has one problem
+struct Group {
+  std::string name;  // "n = 4, duration = 2"; empty where the sweep has one group
   std::vector<Point> points;
   std::vector<Point> front;
 };
@@ -175,30 +175,30 @@ struct Problem {
 struct Answer {
   std::string metric;
   ErrorOf error;
-  std::vector<Problem> problems;  // in grid order
+  std::vector<Group> groups;  // in grid order
 };
 
-/// Points of a grid, problem by problem.
-std::vector<Problem> problems_of(const Head& head, const std::vector<std::size_t>& axes, std::vector<Point> points) {
+/// Points of a grid, those together that can be compared.
+std::vector<Group> groups_of(const Head& head, const std::vector<std::size_t>& axes, std::vector<Point> points) {
   const sweep::Grid grid(head.axes);
-  std::map<std::vector<std::size_t>, Problem> problems;
+  std::map<std::vector<std::size_t>, Group> groups;
   for (const Point& point : points) {
     const std::vector<std::size_t> places = grid.places(point.run);
     std::vector<std::size_t> key;
     for (const std::size_t axis : axes) key.push_back(places[axis]);
-    Problem& problem = problems[key];
-    if (problem.points.empty()) {
+    Group& group = groups[key];
+    if (group.points.empty()) {
       for (const std::size_t axis : axes) {
-        problem.name +=
-            (problem.name.empty() ? "" : ", ") + head.axes[axis].key + " = " + head.axes[axis].values[places[axis]];
+        group.name +=
+            (group.name.empty() ? "" : ", ") + head.axes[axis].key + " = " + head.axes[axis].values[places[axis]];
       }
     }
-    problem.points.push_back(point);
+    group.points.push_back(point);
   }
-  std::vector<Problem> all;
-  for (auto& [key, problem] : problems) {
-    problem.front = sweep::pareto_front(problem.points);
-    all.push_back(std::move(problem));
+  std::vector<Group> all;
+  for (auto& [key, group] : groups) {
+    group.front = sweep::pareto_front(group.points);
+    all.push_back(std::move(group));
   }
   return all;
 }
@@ -214,19 +214,19 @@ std::string picture(const Journal& journal, const Answer& answer) {
   for (const std::string& method : head.axes.back().values)
     panel.series.push_back({method, {}, {}, report::Mark::points});
   std::size_t all = 0;
-  for (const Problem& problem : answer.problems) all += problem.points.size();
+  for (const Group& group : answer.groups) all += group.points.size();
   const std::size_t every = all / most_drawn + 1;
-  for (const Problem& problem : answer.problems) {
-    for (std::size_t i = 0; i < problem.points.size(); i += every) {
-      report::Series& series = panel.series[grid.places(problem.points[i].run).back()];
-      series.x.push_back(problem.points[i].cost);
-      series.y.push_back(problem.points[i].error);
+  for (const Group& group : answer.groups) {
+    for (std::size_t i = 0; i < group.points.size(); i += every) {
+      report::Series& series = panel.series[grid.places(group.points[i].run).back()];
+      series.x.push_back(group.points[i].cost);
+      series.y.push_back(group.points[i].error);
     }
   }
-  for (const Problem& problem : std::span(answer.problems).first(std::min(answer.problems.size(), most_fronts))) {
-    const std::string label = problem.name.empty() ? "Pareto front" : "front of " + problem.name;
+  for (const Group& group : std::span(answer.groups).first(std::min(answer.groups.size(), most_fronts))) {
+    const std::string label = group.name.empty() ? "Pareto front" : "front of " + group.name;
     report::Series& line = panel.series.emplace_back(report::Series{label, {}, {}});
-    for (const Point& point : problem.front) {
+    for (const Point& point : group.front) {
       line.x.push_back(point.cost);
       line.y.push_back(point.error);
     }
@@ -238,8 +238,8 @@ std::string front_csv(const Journal& journal, const Answer& answer) {
   const Head& head = journal.head();
   const sweep::Grid grid(head.axes);
   std::string csv = "cpu_s," + answer.metric + ",reference_uncertainty," + sweep_header(keys_of(head), head.columns);
-  for (const Problem& problem : answer.problems) {
-    for (const Point& point : problem.front) {
+  for (const Group& group : answer.groups) {
+    for (const Point& point : group.front) {
       const Row row = journal.row(point.run);
       const std::optional<double> uncertainty = answer.error.uncertainty(row);
       csv += fmt::format("{},{},{},{}", number_text(point.cost), number_text(answer.error.value(row)),
@@ -281,8 +281,8 @@ bool draw(const Journal& journal, const Answer& answer, const fs::path& file) {
     const std::string png = picture(journal, answer);
     if (!png.empty()) write_whole(file, png);
     return !png.empty();
-  } catch (const MachineError& problem) {
-    std::cerr << "odeval: the front is not drawn: " << problem.what() << '\n';
+  } catch (const MachineError& cause) {
+    std::cerr << "odeval: the front is not drawn: " << cause.what() << '\n';
     return false;
   }
 }
@@ -293,24 +293,23 @@ void print_front(const Journal& journal, const Answer& answer) {
     std::cout << "\nno run is ok: there is no front\n";
     return;
   }
-  if (std::ranges::all_of(answer.problems, [](const Problem& problem) { return problem.front.empty(); })) {
+  if (std::ranges::all_of(answer.groups, [](const Group& group) { return group.front.empty(); })) {
     std::cout << "\nno run that is ok has a " << metric << " of its own: there is no front\n";
     return;
   }
   constexpr std::size_t most_shown = 12;
   bool lost = false;
-  for (const Problem& problem : std::span(answer.problems).first(std::min(answer.problems.size(), most_shown))) {
+  for (const Group& group : std::span(answer.groups).first(std::min(answer.groups.size(), most_shown))) {
     std::cout << "\nthe least " << metric << " that a cost buys (Pareto front)"
-              << (problem.name.empty() ? "" : " where " + problem.name) << "\n\n"
-              << (problem.front.empty() ? "no run that is ok has one of its own\n"
-                                        : front_table(journal, answer, problem.front));
-    if (problem.front.empty()) continue;
-    const double worst = answer.error.value(journal.row(problem.front.front().run));
+              << (group.name.empty() ? "" : " where " + group.name) << "\n\n"
+              << (group.front.empty() ? "no run that is ok has one of its own\n"
+                                      : front_table(journal, answer, group.front));
+    if (group.front.empty()) continue;
+    const double worst = answer.error.value(journal.row(group.front.front().run));
     lost = lost || (metric == quantities[quantity::max_error_q].name && worst > divergence_rad);
   }
-  if (answer.problems.size() > most_shown) {
-    std::cout << fmt::format("\n{} more problems, each with its front, are in -front.csv\n",
-                             answer.problems.size() - most_shown);
+  if (answer.groups.size() > most_shown) {
+    std::cout << fmt::format("\n{} more such fronts are in -front.csv\n", answer.groups.size() - most_shown);
   }
   if (lost) {
     std::cout << fmt::format(
@@ -339,8 +338,8 @@ int answer(const Journal& journal, const fs::path& folder, const AnswerOptions& 
   const std::string metric = options.error.empty() ? first_error(journal) : options.error;
   const Scenario scenario = first_point(head);
   Answer answer{metric, ErrorOf(head, metric), {}};
-  answer.problems = problems_of(head, problem_axes(head, scenario),
-                                write_tables(journal, stem, answer.error, reference::provider_for(scenario).method));
+  answer.groups = groups_of(head, group_axes(head, scenario),
+                            write_tables(journal, stem, answer.error, reference::provider_for(scenario).method));
   write_whole(stem + "-front.csv", front_csv(journal, answer));
   const bool drawn = draw(journal, answer, stem + "-front.png");
   if (!options.quiet) {

@@ -68,14 +68,18 @@ std::string spring_line(const Scenario& scenario, double step_s) {
 /// Where ODE was told to bounce otherwise than the mechanism does, whose motion the reference is.
 std::string bounce_line(const std::vector<RunSummary>& runs) {
   const Scenario& scenario = runs.front().scenario;
-  if (scenario.mechanism.contacts.empty()) return "";
   const auto told = [](const RunSummary& run) { return run.uses_ode || run.uses_bounce; };
   if (std::ranges::none_of(runs, told)) return "";
-  const double restitution = scenario.restitution();
-  const double bounce = scenario.ode.bounce.value_or(restitution);
+  const std::vector<Contact>& contacts = scenario.mechanism.contacts;
+  const auto bounce_of = [&](const Contact& contact) { return scenario.ode.bounce.value_or(contact.restitution); };
+  const auto other =
+      std::ranges::find_if(contacts, [&](const Contact& contact) { return bounce_of(contact) != contact.restitution; });
+  const bool bounces = std::ranges::any_of(contacts, [&](const Contact& contact) { return bounce_of(contact) > 0; });
   std::string text;
-  if (bounce != restitution) text += fmt::format("ODE bounces with {:g}, the reference with {:g}", bounce, restitution);
-  if (scenario.ode.bounce_vel > 0 && bounce > 0) {
+  if (other != contacts.end()) {
+    text += fmt::format("ODE bounces with {:g}, the reference with {:g}", bounce_of(*other), other->restitution);
+  }
+  if (scenario.ode.bounce_vel > 0 && bounces) {
     text += fmt::format("{}ODE below {:g} m/s not at all, the reference always", text.empty() ? "" : "; ",
                         scenario.ode.bounce_vel);
   }
