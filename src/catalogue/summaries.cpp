@@ -5,15 +5,13 @@
 
 namespace odeval::catalogue {
 
-RunSummary summarise(const Evaluation& run, Evaluator& evaluator) {
-  const Scenario& scenario = evaluator.scenario();
-  const Method& method = *run.method;
+RunSummary settings_of(const Method& method, const Scenario& scenario) {
   const auto in_effect = [](const std::optional<double>& asked, double own) {
     return own == 0 ? std::nullopt : std::optional(asked.value_or(own));
   };
   RunSummary summary;
   summary.scenario = scenario;
-  summary.grid = evaluator.grid();
+  summary.grid = sample_grid(scenario);
   summary.method = method.name;
   summary.is_reference = method.name == reference::provider_for(scenario).method && !scenario.rtol && !scenario.atol;
   summary.uses_ode = has_half_step_start(method);
@@ -21,13 +19,18 @@ RunSummary summarise(const Evaluation& run, Evaluator& evaluator) {
   summary.uses_maximal = reads(method, "maximal.ks", scenario);
   summary.rtol = in_effect(scenario.rtol, method.rtol);
   summary.atol = in_effect(scenario.atol, method.atol);
+  summary.versions = versions();
+  return summary;
+}
+
+RunSummary summarise(const Evaluation& run, Evaluator& evaluator) {
+  RunSummary summary = settings_of(*run.method, evaluator.scenario());
   summary.outcome = run.outcome;
   summary.metrics = evaluator.measure(run, summary.grid.time(summary.grid.rows - 1));
   for (const double until : error_times_within(summary.grid)) {
     summary.error_at.push_back(evaluator.measure(run, until));
   }
   summary.reference = evaluator.reference().origin;
-  summary.versions = versions();
   return summary;
 }
 

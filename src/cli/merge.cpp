@@ -10,6 +10,7 @@
 #include "cli/settings.hpp"
 #include "cli/sweep_answer.hpp"
 #include "odeval/error.hpp"
+#include "output/file.hpp"
 
 namespace odeval::cli {
 namespace {
@@ -99,7 +100,9 @@ int merge(const Options& options) {
   const std::vector<const Part*> sources = sources_of(parts);
   sweep::Head head = parts.front().journal->head();
   head.shard = {};
-  Journal whole(journal_file(options.out, head.scenario), head);
+  const std::filesystem::path place = journal_file(options.out, head.scenario);
+  make_folder(place.parent_path());
+  Journal whole(place, head);
   for (long run = 0; run < whole.runs(); ++run) {
     const Part& source = *sources[static_cast<std::size_t>(run)];
     const sweep::Row row = source.journal->row(run);

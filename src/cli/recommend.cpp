@@ -47,6 +47,7 @@ constexpr double greatest_error = 1;  // rad
 constexpr int most_attempts = 24;
 constexpr double finer = 0.93;
 constexpr double farthest = 0.125;
+constexpr long neighbours = 2;  // numbers of steps above an answer's that have to keep the budget as well
 constexpr double grain = 0.02;  // between a step that keeps the budget and one that does not
 constexpr double helps = 0.98;  // an excess that falls by less is no matter of the setting
 
@@ -139,7 +140,9 @@ class Search {
     double excess_before = std::numeric_limits<double>::infinity();
     for (int attempt = 0; attempt < most_attempts; ++attempt) {
       run(candidate, scenario);
-      if (keeps(candidate)) return coarsest(std::move(candidate), scenario, accuracy.row_spacing_s());
+      if (keeps(candidate)) {
+        return steadied(coarsest(std::move(candidate), scenario, accuracy.row_spacing_s()), scenario);
+      }
       const double excess = excess_of(candidate);
       const double factor = finer_by(method, excess);
       if (factor == 1 || !(excess < helps * excess_before)) break;
@@ -163,19 +166,43 @@ class Search {
   }
 
  private:
+  long steps_of(const Candidate& candidate) const {
+    return std::lround(std::ceil(options_.until / candidate.setting * (1 - 1e-12)));
+  }
+
+  /// The same method from the same start in another number of steps.
+  Candidate in_steps(long number, const Candidate& like, const Scenario& scenario) const {
+    Candidate candidate;
+    candidate.method = like.method;
+    candidate.start = like.start;
+    candidate.setting = options_.until / static_cast<double>(number);
+    run(candidate, scenario);
+    return candidate;
+  }
+
+  /// Where rounding decides, or a motion is nearly lost, one step of many may keep the budget by luck. An answer has to
+  /// keep it with a step or two more as well: else a finer one is looked for.
+  Candidate steadied(Candidate kept, const Scenario& scenario) const {
+    if (catalogue::knob_of(*kept.method) != catalogue::Knob::step) return kept;
+    for (int attempt = 0; attempt < most_attempts; ++attempt) {
+      const long number = steps_of(kept);
+      bool steady = keeps(kept);
+      for (long more = 1; more <= neighbours && steady; ++more) steady = keeps(in_steps(number + more, kept, scenario));
+      if (steady) return kept;
+      const long finer_steps = std::lround(std::ceil(static_cast<double>(number) / finer));
+      if (finer_steps > most_steps_of_a_search) break;
+      kept = in_steps(finer_steps, kept, scenario);
+    }
+    kept.why_not = "a step keeps it by luck, and those beside it do not";
+    return kept;
+  }
+
   /// The search knows few large steps, those that fit its rows: between them, and above, by whole numbers of steps.
   Candidate coarsest(Candidate kept, const Scenario& scenario, double row_spacing_s) const {
     const bool steps = catalogue::knob_of(*kept.method) == catalogue::Knob::step;
     if (!steps || kept.setting < grain * row_spacing_s) return kept;
-    const auto with_steps = [&](long number) {
-      Candidate candidate;
-      candidate.method = kept.method;
-      candidate.start = kept.start;
-      candidate.setting = options_.until / static_cast<double>(number);
-      run(candidate, scenario);
-      return candidate;
-    };
-    long enough = std::lround(std::ceil(options_.until / kept.setting * (1 - 1e-12)));
+    const auto with_steps = [&](long number) { return in_steps(number, kept, scenario); };
+    long enough = steps_of(kept);
     long too_few = 0;
     for (long fewer = enough / 2; fewer > 0; fewer /= 2) {
       Candidate candidate = with_steps(fewer);

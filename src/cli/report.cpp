@@ -44,9 +44,16 @@ Runs run_scenarios(Laboratory& laboratory, const Options& options) {
   };
   std::vector<Pair> plan;
   const std::vector<std::string> names = scenario_names(catalogue::scenario_folder());
+  std::map<std::string, ResultFolder> folders;
   for (const std::string& name : names) {
-    for (const catalogue::Method* method : chosen_methods({}, laboratory.scenario(name)))
-      plan.push_back({name, method});
+    const auto methods = chosen_methods({}, laboratory.scenario(name));
+    for (const catalogue::Method* method : methods) plan.push_back({name, method});
+    const fs::path place = fs::path(options.out) / name;
+    folders.try_emplace(name, place);
+    const std::string other = results_of_another_run(place, laboratory.scenario(name), methods);
+    if (!other.empty()) {
+      std::cerr << "odeval: " << place.string() << " holds results of " << other << ", which are no part of the page\n";
+    }
   }
 
   Runs runs;
@@ -55,11 +62,11 @@ Runs run_scenarios(Laboratory& laboratory, const Options& options) {
   for (const auto& [scenario, method] : plan) {
     progress.next(scenario + " " + std::string(method->name));
     const catalogue::Evaluation& run = *laboratory.run(scenario, method->name);
-    summaries[scenario].push_back(write_run(run, laboratory.evaluator(scenario), fs::path(options.out) / scenario));
+    summaries[scenario].push_back(folders.at(scenario).write(run, laboratory.evaluator(scenario)));
     runs.diverged = runs.diverged || run.outcome.diverged;
   }
   for (const std::string& name : names) {
-    write_summaries(summaries[name], fs::path(options.out) / name);
+    folders.at(name).write_summaries(summaries[name]);
     report::Files traces{name + ", trace of every method", {}};
     report::Files settings{name + ", settings, versions and metrics of every run", {}};
     std::string suspects;

@@ -7,6 +7,7 @@
 #include "cli/progress.hpp"
 #include "cli/run_files.hpp"
 #include "cli/settings.hpp"
+#include "odeval/error.hpp"
 #include "output/run_report.hpp"
 
 namespace odeval::cli {
@@ -21,32 +22,55 @@ struct Options {
   bool json = false;
 };
 
+/// What the half-step start leaves the first method whose error a shift of the clock explains, until the same time.
+std::optional<double> half_step_leaves(const std::vector<RunSummary>& runs) {
+  for (const RunSummary& run : runs) {
+    const Metrics* const explained = half_a_step(run);
+    if (explained == nullptr) continue;
+    Scenario scenario = run.scenario;
+    scenario.ode.start = Start::half_step;
+    scenario.duration_s = explained->until_s;
+    catalogue::Evaluator evaluator(scenario);
+    const catalogue::Evaluation started = evaluator.evaluate(catalogue::find_method(run.method));
+    return evaluator.measure(started, explained->until_s)[quantity::max_error_q];
+  }
+  return std::nullopt;
+}
+
 int run(const Options& options) {
   const Scenario scenario = options.settings.read(options.scenario);
   const auto methods = chosen_methods(options.methods, scenario);
   require_read(options.settings.overrides(), {{{scenario, methods}}});
+  const std::filesystem::path place = std::filesystem::path(options.out) / scenario.name;
+  if (const std::string other = results_of_another_run(place, scenario, methods); !other.empty()) {
+    throw UserError("--out " + options.out + ": " + place.string() + " holds results of " + other +
+                    "; give another folder, or every method there");
+  }
   catalogue::Evaluator evaluator(scenario);
-  const std::filesystem::path folder = std::filesystem::path(options.out) / scenario.name;
 
   std::vector<RunSummary> summaries;
   std::vector<double> ns_per_step;
   bool diverged = false;
   {
-    Progress progress(methods.size(), options.quiet);
+    Progress progress(methods.size(), options.quiet, Progress::Clock::shown);
+    progress.show(scenario.name + " reference");
+    evaluator.reference();
+    const ResultFolder folder(place);
     for (const catalogue::Method* method : methods) {
       progress.next(scenario.name + " " + std::string(method->name));
       const catalogue::Evaluation run = evaluator.evaluate(*method);
-      summaries.push_back(write_run(run, evaluator, folder));
+      summaries.push_back(folder.write(run, evaluator));
       ns_per_step.push_back(1e9 * run.cpu_s / static_cast<double>(std::max(run.outcome.steps, 1L)));
       diverged = diverged || run.outcome.diverged;
     }
+    folder.write_summaries(summaries);
   }
-  write_summaries(summaries, folder);
 
   if (options.json) {
     std::cout << summaries_json(summaries);
   } else if (!options.quiet) {
-    std::cout << run_report(summaries, ns_per_step, evaluator.reference()) << "\nwrote " << folder.string() << "/\n";
+    std::cout << run_report(summaries, ns_per_step, evaluator.reference(), half_step_leaves(summaries)) << "\nwrote "
+              << place.string() << "/\n";
   }
   return diverged ? 1 : 0;
 }

@@ -262,7 +262,7 @@ int snapshot(const Options& options) {
   bool diverged = false;
   std::vector<std::string> written;
   {
-    Progress progress(methods.size(), options.quiet);
+    Progress progress(methods.size(), options.quiet, Progress::Clock::shown);
     for (const catalogue::Method* method : methods) {
       progress.next(scenario.name + " " + std::string(method->name));
       const catalogue::Evaluation run = evaluator.evaluate(*method);

@@ -14,6 +14,7 @@
 #include "cli/settings.hpp"
 #include "cli/sweep_answer.hpp"
 #include "odeval/error.hpp"
+#include "output/file.hpp"
 #include "output/sweep_table.hpp"
 #include "run/clock.hpp"
 #include "run/sweep.hpp"
@@ -169,6 +170,7 @@ int sweep_grid(const Options& options) {
   }
 
   const fs::path place = journal_file(options.out, base.name);
+  make_folder(place.parent_path());
   sweep::Journal journal(place, head);
   remove_parts(place);
   if (journal.damaged() > 0) {

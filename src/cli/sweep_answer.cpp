@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iostream>
+#include <map>
+#include <span>
 
 #include "catalogue/methods.hpp"
 #include "cli/flags.hpp"
@@ -77,21 +80,34 @@ std::vector<std::string> keys_of(const Head& head) {
   return keys;
 }
 
-/// The method that errors are measured against.
-std::string_view reference_of(const Head& head) {
+/// The scenario of the grid's first point.
+Scenario first_point(const Head& head) {
   std::vector<Override> settings;
   for (std::size_t i = 0; i + 1 < head.axes.size(); ++i) {
     settings.push_back({head.axes[i].key, head.axes[i].values.front(), "--grid"});
   }
-  const Scenario scenario = ScenarioFile(head.scenario + ".toml", head.settings).read(settings, known_names());
-  return reference::provider_for(scenario).method;
+  return ScenarioFile(head.scenario + ".toml", head.settings).read(settings, known_names());
+}
+
+/// The axes that make another motion or look at it at other times, so that errors along them cannot be compared: all
+/// but the step and the settings of engines.
+std::vector<std::size_t> group_axes(const Head& head, const Scenario& scenario) {
+  constexpr std::array springs{"ode.erp", "ode.cfm", "ode.kp", "ode.kd"};  // what a joint of bodies is
+  const bool sprung = !scenario.planar && !scenario.mechanism.joints.empty();
+  std::vector<std::size_t> axes;
+  for (std::size_t i = 0; i + 1 < head.axes.size(); ++i) {
+    const std::string& key = head.axes[i].key;
+    const bool spring = sprung && std::ranges::find(springs, key) != springs.end();
+    if (spring || (key != "step" && !catalogue::is_engine_setting(key))) axes.push_back(i);
+  }
+  return axes;
 }
 
 /// The table and the timings, row by row, and on the way what the front is made of: the reference has no part in it,
 /// nor has a run that is not ok.
-std::vector<Point> write_tables(const Journal& journal, const fs::path& stem, const ErrorOf& error) {
+std::vector<Point> write_tables(const Journal& journal, const fs::path& stem, const ErrorOf& error,
+                                std::string_view reference) {
   const Head& head = journal.head();
-  const std::string_view reference = reference_of(head);
   const sweep::Grid grid(head.axes);
   WholeFile table(stem.string() + ".csv");
   WholeFile timing(stem.string() + "-timing.csv");
@@ -130,30 +146,6 @@ std::string unit_of(const std::string& metric) {
   return row == nullptr || row->unit.empty() ? "" : ", " + std::string(row->unit);
 }
 
-std::string picture(const Journal& journal, const std::vector<Point>& points, const std::vector<Point>& front,
-                    const std::string& metric) {
-  constexpr std::size_t most_drawn = 20'000;  // more make one blot
-  const Head& head = journal.head();
-  report::Panel panel;
-  panel.x_label = "CPU time of the run, s";
-  panel.y_label = metric + unit_of(metric) + ", at most";
-  const sweep::Grid grid(head.axes);
-  for (const std::string& method : head.axes.back().values)
-    panel.series.push_back({method, {}, {}, report::Mark::points});
-  const std::size_t every = points.size() / most_drawn + 1;
-  for (std::size_t i = 0; i < points.size(); i += every) {
-    report::Series& series = panel.series[grid.places(points[i].run).back()];
-    series.x.push_back(points[i].cost);
-    series.y.push_back(points[i].error);
-  }
-  report::Series& line = panel.series.emplace_back(report::Series{"Pareto front", {}, {}});
-  for (const Point& point : front) {
-    line.x.push_back(point.cost);
-    line.y.push_back(point.error);
-  }
-  return front_png(panel, head.scenario + ": what an error costs");
-}
-
 std::string grid_text(const Head& head) {
   std::string text;
   for (const sweep::Axis& axis : head.axes) {
@@ -172,31 +164,95 @@ std::string counts_text(const Journal& journal) {
   return text;
 }
 
-/// What an error costs in a sweep: the runs that tell, and those of them that no other run beats.
-struct Answer {
-  std::string metric;
-  ErrorOf error;
+/// Runs whose errors can be compared, and those of them that no other of these beats.
+struct Group {
+  std::string name;  // "n = 4, duration = 2"; empty where the sweep has one group
   std::vector<Point> points;
   std::vector<Point> front;
 };
+
+/// What an error costs in a sweep.
+struct Answer {
+  std::string metric;
+  ErrorOf error;
+  std::vector<Group> groups;  // in grid order
+};
+
+/// Points of a grid, those together that can be compared.
+std::vector<Group> groups_of(const Head& head, const std::vector<std::size_t>& axes, std::vector<Point> points) {
+  const sweep::Grid grid(head.axes);
+  std::map<std::vector<std::size_t>, Group> groups;
+  for (const Point& point : points) {
+    const std::vector<std::size_t> places = grid.places(point.run);
+    std::vector<std::size_t> key;
+    for (const std::size_t axis : axes) key.push_back(places[axis]);
+    Group& group = groups[key];
+    if (group.points.empty()) {
+      for (const std::size_t axis : axes) {
+        group.name +=
+            (group.name.empty() ? "" : ", ") + head.axes[axis].key + " = " + head.axes[axis].values[places[axis]];
+      }
+    }
+    group.points.push_back(point);
+  }
+  std::vector<Group> all;
+  for (auto& [key, group] : groups) {
+    group.front = sweep::pareto_front(group.points);
+    all.push_back(std::move(group));
+  }
+  return all;
+}
+
+std::string picture(const Journal& journal, const Answer& answer) {
+  constexpr std::size_t most_drawn = 20'000;  // more make one blot
+  constexpr std::size_t most_fronts = 8;      // more are not told apart
+  const Head& head = journal.head();
+  report::Panel panel;
+  panel.x_label = "CPU time of the run, s";
+  panel.y_label = answer.metric + unit_of(answer.metric) + ", at most";
+  const sweep::Grid grid(head.axes);
+  for (const std::string& method : head.axes.back().values)
+    panel.series.push_back({method, {}, {}, report::Mark::points});
+  std::size_t all = 0;
+  for (const Group& group : answer.groups) all += group.points.size();
+  const std::size_t every = all / most_drawn + 1;
+  for (const Group& group : answer.groups) {
+    for (std::size_t i = 0; i < group.points.size(); i += every) {
+      report::Series& series = panel.series[grid.places(group.points[i].run).back()];
+      series.x.push_back(group.points[i].cost);
+      series.y.push_back(group.points[i].error);
+    }
+  }
+  for (const Group& group : std::span(answer.groups).first(std::min(answer.groups.size(), most_fronts))) {
+    const std::string label = group.name.empty() ? "Pareto front" : "front of " + group.name;
+    report::Series& line = panel.series.emplace_back(report::Series{label, {}, {}});
+    for (const Point& point : group.front) {
+      line.x.push_back(point.cost);
+      line.y.push_back(point.error);
+    }
+  }
+  return front_png(panel, head.scenario + ": what an error costs");
+}
 
 std::string front_csv(const Journal& journal, const Answer& answer) {
   const Head& head = journal.head();
   const sweep::Grid grid(head.axes);
   std::string csv = "cpu_s," + answer.metric + ",reference_uncertainty," + sweep_header(keys_of(head), head.columns);
-  for (const Point& point : answer.front) {
-    const Row row = journal.row(point.run);
-    const std::optional<double> uncertainty = answer.error.uncertainty(row);
-    csv += fmt::format("{},{},{},{}", number_text(point.cost), number_text(answer.error.value(row)),
-                       uncertainty ? number_text(*uncertainty) : "",
-                       sweep_line(point.run, grid.values(point.run), sweep::status_name(row.status), row.reason,
-                                  row.cells, head.columns.size()));
+  for (const Group& group : answer.groups) {
+    for (const Point& point : group.front) {
+      const Row row = journal.row(point.run);
+      const std::optional<double> uncertainty = answer.error.uncertainty(row);
+      csv += fmt::format("{},{},{},{}", number_text(point.cost), number_text(answer.error.value(row)),
+                         uncertainty ? number_text(*uncertainty) : "",
+                         sweep_line(point.run, grid.values(point.run), sweep::status_name(row.status), row.reason,
+                                    row.cells, head.columns.size()));
+    }
   }
   return csv;
 }
 
 /// The same for people.
-std::string front_table(const Journal& journal, const Answer& answer) {
+std::string front_table(const Journal& journal, const Answer& answer, const std::vector<Point>& front) {
   const std::vector<std::string> keys = keys_of(journal.head());
   const sweep::Grid grid(journal.head().axes);
   std::vector<std::string> header{"CPU, ms", answer.metric + unit_of(answer.metric)};
@@ -204,7 +260,7 @@ std::string front_table(const Journal& journal, const Answer& answer) {
   header.emplace_back("steps");
   header.emplace_back("run");
   TextTable table("rr" + std::string(keys.size(), 'l') + "rr", header);
-  for (const Point& point : answer.front) {
+  for (const Point& point : front) {
     const Row row = journal.row(point.run);
     const std::vector<std::string> values = grid.values(point.run);
     std::vector<std::string> cells{three_digits(1e3 * point.cost),
@@ -222,11 +278,11 @@ bool draw(const Journal& journal, const Answer& answer, const fs::path& file) {
   std::error_code ignored;
   fs::remove(file, ignored);
   try {
-    const std::string png = picture(journal, answer.points, answer.front, answer.metric);
+    const std::string png = picture(journal, answer);
     if (!png.empty()) write_whole(file, png);
     return !png.empty();
-  } catch (const MachineError& problem) {
-    std::cerr << "odeval: the front is not drawn: " << problem.what() << '\n';
+  } catch (const MachineError& cause) {
+    std::cerr << "odeval: the front is not drawn: " << cause.what() << '\n';
     return false;
   }
 }
@@ -237,13 +293,25 @@ void print_front(const Journal& journal, const Answer& answer) {
     std::cout << "\nno run is ok: there is no front\n";
     return;
   }
-  if (answer.front.empty()) {
+  if (std::ranges::all_of(answer.groups, [](const Group& group) { return group.front.empty(); })) {
     std::cout << "\nno run that is ok has a " << metric << " of its own: there is no front\n";
     return;
   }
-  std::cout << "\nthe least " << metric << " that a cost buys (Pareto front)\n\n" << front_table(journal, answer);
-  const double worst = answer.error.value(journal.row(answer.front.front().run));
-  if (metric == quantities[quantity::max_error_q].name && worst > divergence_rad) {
+  constexpr std::size_t most_shown = 12;
+  bool lost = false;
+  for (const Group& group : std::span(answer.groups).first(std::min(answer.groups.size(), most_shown))) {
+    std::cout << "\nthe least " << metric << " that a cost buys (Pareto front)"
+              << (group.name.empty() ? "" : " where " + group.name) << "\n\n"
+              << (group.front.empty() ? "no run that is ok has one of its own\n"
+                                      : front_table(journal, answer, group.front));
+    if (group.front.empty()) continue;
+    const double worst = answer.error.value(journal.row(group.front.front().run));
+    lost = lost || (metric == quantities[quantity::max_error_q].name && worst > divergence_rad);
+  }
+  if (answer.groups.size() > most_shown) {
+    std::cout << fmt::format("\n{} more such fronts are in -front.csv\n", answer.groups.size() - most_shown);
+  }
+  if (lost) {
     std::cout << fmt::format(
         "\nErrors above {} rad say only that the motion was lost: a shorter --duration tells more.\n", divergence_rad);
   }
@@ -268,9 +336,10 @@ int answer(const Journal& journal, const fs::path& folder, const AnswerOptions& 
   const Head& head = journal.head();
   const std::string stem = (folder / "sweep" / head.scenario).string();
   const std::string metric = options.error.empty() ? first_error(journal) : options.error;
-  Answer answer{metric, ErrorOf(head, metric), {}, {}};
-  answer.points = write_tables(journal, stem, answer.error);
-  answer.front = sweep::pareto_front(answer.points);
+  const Scenario scenario = first_point(head);
+  Answer answer{metric, ErrorOf(head, metric), {}};
+  answer.groups = groups_of(head, group_axes(head, scenario),
+                            write_tables(journal, stem, answer.error, reference::provider_for(scenario).method));
   write_whole(stem + "-front.csv", front_csv(journal, answer));
   const bool drawn = draw(journal, answer, stem + "-front.png");
   if (!options.quiet) {

@@ -84,7 +84,6 @@ void generate(const Description& said, Scenario& scenario) {
   } else {
     put_bodies(scenario, said);
   }
-  scenario.definition = definition_of(said);
   scenario.summary = said.problem->summary;
 }
 
@@ -115,9 +114,12 @@ Scenario ScenarioFile::read(const std::vector<Override>& overrides, const Names&
   read_keys(draft);
   choose_softness(draft);
   const bool pendulum = draft.said.problem->planar;
+  // A definition can be put into a file again: it is complete, and nothing in it is worked into something else yet.
   if (pendulum) {
     settle_links(draft);
+    draft.scenario.definition = definition_of(draft.said);
   } else {
+    draft.scenario.definition = definition_of(draft.said);
     settle_bodies(draft);
   }
   check_sections(draft);

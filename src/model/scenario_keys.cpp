@@ -146,7 +146,7 @@ constexpr KeyRow rows[] = {
       [](D&, S& s, const V& v) { s.ode.iterations = static_cast<int>(v.number); }},
   {"ode", "sor_w",              number, "",       0, 2,          true,  nullptr, "1.3", "over-relaxation of QuickStep",
       [](D&, S& s, const V& v) { s.ode.sor_w = v.number; }},
-  {"ode", "bounce",             number, "",       0, 1,          false, nullptr, "that of wall or ground", "restitution of contacts",
+  {"ode", "bounce",             number, "",       0, 1,          false, nullptr, "that of wall or ground", "restitution of contacts in ODE; the reference keeps that of wall or ground",
       [](D&, S& s, const V& v) { s.ode.bounce = v.number; }},
   {"ode", "bounce_vel",         number, "m/s",    0, 1e6,        false, nullptr, "0", "slower contacts do not bounce",
       [](D&, S& s, const V& v) { s.ode.bounce_vel = v.number; }},

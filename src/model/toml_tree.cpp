@@ -104,10 +104,11 @@ void apply(toml::table& tree, const Override& setting) {
   std::string hint;
   if (std::ranges::find(sections, parts.front()) == sections.end()) {
     const std::string meant = nearest_hint(parts.front(), sections).empty() ? "" : nearest(parts.front(), sections);
-    if (!meant.empty()) hint = fmt::format(" (nearest: '{}{}')", meant, setting.key.substr(parts.front().size()));
+    if (!meant.empty())
+      hint = fmt::format(" (nearest: '{}{}')", meant, one_line(setting.key.substr(parts.front().size())));
   }
-  throw UserError(fmt::format("{}: the scenario has no '{}'{}; lists count from 0", typed(setting),
-                              one_line(setting.key), one_line(hint)));
+  throw UserError(
+      fmt::format("{}: the scenario has no '{}'{}; lists count from 0", typed(setting), one_line(setting.key), hint));
 }
 
 }  // namespace

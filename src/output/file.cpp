@@ -18,21 +18,45 @@ namespace fs = std::filesystem;
 
 namespace {
 
-[[noreturn]] void fail(const fs::path& file, int cause) {
-  throw MachineError(fmt::format("{}: cannot be written: {}", file.string(), std::strerror(cause)));
+[[noreturn]] void fail(const fs::path& file, const std::string& cause) {
+  throw MachineError(fmt::format("{}: cannot be written: {}", file.string(), cause));
+}
+[[noreturn]] void fail(const fs::path& file, int cause) { fail(file, std::strerror(cause)); }
+
+/// The first link on the way that leads nowhere, which the system calls a file that exists; empty without one.
+fs::path dangling_link(const fs::path& folder) {
+  fs::path way;
+  for (const fs::path& part : folder) {
+    way /= part;
+    std::error_code ignored;
+    if (fs::is_symlink(way, ignored) && !fs::exists(way, ignored)) return way;
+  }
+  return {};
 }
 
-void make_folders(const fs::path& file) {
-  if (!file.has_parent_path()) return;
+/// Why a folder cannot be made; empty when it is there.
+std::string folder_trouble(const fs::path& folder) {
   std::error_code error;
-  fs::create_directories(file.parent_path(), error);
-  if (error) fail(file, error.value());
+  fs::create_directories(folder, error);
+  if (!error) return "";
+  const fs::path link = dangling_link(folder);
+  if (link.empty()) return std::strerror(error.value());
+  std::error_code ignored;
+  return fmt::format("{} is a link to {}, which is not there", link.string(), fs::read_symlink(link, ignored).string());
 }
 
 }  // namespace
 
+void make_folder(const fs::path& folder) {
+  if (const std::string cause = folder_trouble(folder); !cause.empty()) {
+    throw MachineError(fmt::format("{}: cannot be made: {}", folder.string(), cause));
+  }
+}
+
 WholeFile::WholeFile(fs::path file) : file_(std::move(file)) {
-  make_folders(file_);
+  if (file_.has_parent_path()) {
+    if (const std::string cause = folder_trouble(file_.parent_path()); !cause.empty()) fail(file_, cause);
+  }
   std::error_code absent;
   target_ = fs::is_symlink(file_, absent) && fs::exists(file_, absent) ? fs::canonical(file_) : file_;
   const fs::file_status status = fs::status(target_, absent);

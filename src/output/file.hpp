@@ -6,6 +6,10 @@
 
 namespace odeval {
 
+/// Makes a folder and those on the way, or leaves them as they are. Throws MachineError, which names the folder and the
+/// cause.
+void make_folder(const std::filesystem::path& folder);
+
 /// Creates the folders on the way, writes to a temporary name beside the file and renames it.
 /// A name that already belongs to something else than a file (a device, a pipe) is written to directly.
 /// Throws MachineError, which names the file and the cause; no temporary file stays behind.

@@ -10,9 +10,6 @@
 
 namespace odeval {
 
-namespace {
-
-/// The longest span over which a clock half a step fast explains most of a method's error; null: it never does.
 const Metrics* half_a_step(const RunSummary& run) {
   if (!run.uses_ode || run.scenario.ode.start == Start::half_step) return nullptr;
   constexpr double near = 0.1;  // steps
@@ -29,18 +26,20 @@ const Metrics* half_a_step(const RunSummary& run) {
   return found;
 }
 
+namespace {
+
 /// Suggests the half-step start where it would take most of the error away.
-std::string half_step_hint(const std::vector<RunSummary>& runs) {
-  for (const RunSummary& run : runs) {
-    if (const Metrics* const metrics = half_a_step(run)) {
-      return fmt::format(
-          "half step  to {:g} s {} is {:.2f} steps ahead of the reference; error {:.3g} rad, after shifting by that "
-          "time {:.3g} rad: try --start half-step\n",
-          metrics->until_s, run.method, *(*metrics)[quantity::time_shift] / run.grid.step_s,
-          *(*metrics)[quantity::max_error_q], *(*metrics)[quantity::error_q_after_shift]);
-    }
-  }
-  return "";
+std::string half_step_hint(const std::vector<RunSummary>& runs, const std::optional<double>& leaves) {
+  const auto explained = std::ranges::find_if(runs, [](const RunSummary& run) { return half_a_step(run) != nullptr; });
+  if (explained == runs.end()) return "";
+  const Metrics& metrics = *half_a_step(*explained);
+  const double error = *metrics[quantity::max_error_q];
+  if (leaves && !(*leaves < error)) return "";
+  return fmt::format(
+      "half step  to {:g} s {} is {:.2f} steps ahead of the reference; error {:.3g} rad, after shifting by that "
+      "time {:.3g} rad: try --start half-step{}\n",
+      metrics.until_s, explained->method, *metrics[quantity::time_shift] / explained->grid.step_s, error,
+      *metrics[quantity::error_q_after_shift], leaves ? fmt::format(", which leaves {:.3g} rad", *leaves) : "");
 }
 
 /// Why runs ended early, and what ODE itself said of them.
@@ -66,10 +65,31 @@ std::string spring_line(const Scenario& scenario, double step_s) {
                      scenario.ode.spring->kp_N_m, scenario.ode.spring->kd_Ns_m, softness.erp, softness.cfm);
 }
 
+/// Where ODE was told to bounce otherwise than the mechanism does, whose motion the reference is.
+std::string bounce_line(const std::vector<RunSummary>& runs) {
+  const Scenario& scenario = runs.front().scenario;
+  const auto told = [](const RunSummary& run) { return run.uses_ode || run.uses_bounce; };
+  if (std::ranges::none_of(runs, told)) return "";
+  const std::vector<Contact>& contacts = scenario.mechanism.contacts;
+  const auto bounce_of = [&](const Contact& contact) { return scenario.ode.bounce.value_or(contact.restitution); };
+  const auto other =
+      std::ranges::find_if(contacts, [&](const Contact& contact) { return bounce_of(contact) != contact.restitution; });
+  const bool bounces = std::ranges::any_of(contacts, [&](const Contact& contact) { return bounce_of(contact) > 0; });
+  std::string text;
+  if (other != contacts.end()) {
+    text += fmt::format("ODE bounces with {:g}, the reference with {:g}", bounce_of(*other), other->restitution);
+  }
+  if (scenario.ode.bounce_vel > 0 && bounces) {
+    text += fmt::format("{}ODE below {:g} m/s not at all, the reference always", text.empty() ? "" : "; ",
+                        scenario.ode.bounce_vel);
+  }
+  return text.empty() ? text : "bounce     " + text + ": errors from the first impact on are of two motions\n";
+}
+
 }  // namespace
 
 std::string run_report(const std::vector<RunSummary>& runs, std::span<const double> ns_per_step,
-                       const Reference& reference) {
+                       const Reference& reference, const std::optional<double>& half_step_leaves) {
   const Scenario& scenario = runs.front().scenario;
   const SampleGrid& grid = runs.front().grid;
   std::string text = fmt::format("{}: {:g} s, h = {:g} s, {} rows\n\n", scenario.name, grid.time(grid.rows - 1),
@@ -97,7 +117,8 @@ std::string run_report(const std::vector<RunSummary>& runs, std::span<const doub
                         divergence_rad, *lost);
   }
   text += spring_line(scenario, grid.step_s);
-  text += half_step_hint(runs);
+  text += bounce_line(runs);
+  text += half_step_hint(runs, half_step_leaves);
   return text;
 }
 

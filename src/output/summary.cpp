@@ -98,6 +98,12 @@ Json settings(const RunSummary& run) {
   return json;
 }
 
+Json versions(const RunSummary& run) {
+  Json json = Json::object();
+  for (const auto& [name, version] : run.versions) json[name] = version;
+  return json;
+}
+
 /// Whether the run may have an error of that quantity against the reference, known or not.
 bool is_error(const Quantity& row, const Metrics& metrics) {
   return row.uncertainty && (row.scope == Scope::mechanism || compared(metrics, row.scope));
@@ -171,8 +177,7 @@ std::string summary_json(const RunSummary& run) {
   Json json = {{"scenario", run.scenario.name}, {"method", run.method}, {"is_reference", run.is_reference}};
   json["reference"] = run.reference.empty() ? Json() : Json(run.reference);
   json["settings"] = settings(run);
-  json["versions"] = Json::object();
-  for (const auto& [name, version] : run.versions) json["versions"][name] = version;
+  json["versions"] = versions(run);
   json["steps"] = outcome.steps;
   json["evaluations"] = outcome.evaluations;
   json["messages"] = outcome.messages;
@@ -188,6 +193,25 @@ std::string summary_json(const RunSummary& run) {
   json["impacts"] = Json::array();
   for (const Impact& impact : outcome.impacts) json["impacts"].push_back(json_of(impact));
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+std::string unlike(const std::string& json, const RunSummary& run) {
+  const Json whole = Json::parse(json, nullptr, false);
+  for (const auto& [part, wanted] : {std::pair{"settings", settings(run)}, std::pair{"versions", versions(run)}}) {
+    if (!whole.is_object() || !whole.contains(part)) return std::string("no ") + part;
+    const Json there = whole[part].flatten();
+    const Json here = wanted.flatten();
+    for (const Json& one : {here, there}) {
+      for (const auto& [path, ignored] : one.items()) {
+        const auto value = [&](const Json& in) { return in.contains(path) ? in[path].dump() : "nothing"; };
+        if (value(there) == value(here)) continue;
+        std::string key = path.substr(1);
+        std::ranges::replace(key, '/', '.');
+        return fmt::format("{} = {}, not {}", key, value(there), value(here));
+      }
+    }
+  }
+  return "";
 }
 
 std::string summary_csv(const std::vector<RunSummary>& runs) {

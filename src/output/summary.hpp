@@ -47,6 +47,9 @@ std::optional<double> restitution(const Impact& impact);
 /// Object with the keys of the result files. Metrics without meaning are null, infinite numbers the string "inf".
 std::string summary_json(const RunSummary& run);
 
+/// The first setting, or version, of a run that a METHOD.json has otherwise: "step = 0.001, not 0.01". Empty: none has.
+std::string unlike(const std::string& json, const RunSummary& run);
+
 /// A header and one row a method. Metrics without meaning are empty cells.
 std::string summary_csv(const std::vector<RunSummary>& runs);
 
