@@ -38,14 +38,15 @@ struct Scene {
 
 /// Work is counted in evaluations of the accelerations (`forces` is called at each); a step without contacts takes
 /// four.
-void check_scene(const Scene& scene, double restitution, const std::function<void(AccurateStepOptions&)>& change) {
+void check_scene(const Scene& scene, double restitution, const std::function<void(AccurateStepOptions&)>& change,
+                 double friction = 0) {
   constexpr double h = 5e-3;
   constexpr int steps = 1000;
   World world;
   scene.build(world);
   AccurateStepOptions options;
   long evaluations = 0;
-  options.contact = [restitution](dGeomID, dGeomID) { return std::optional(Bounce{restitution}); };
+  options.contact = [=](dGeomID, dGeomID) { return std::optional(Bounce{restitution, friction}); };
   options.forces = [&](double) { ++evaluations; };
   change(options);
   AccurateStep step(world.id, world.space, options);
@@ -64,8 +65,9 @@ void check_scene(const Scene& scene, double restitution, const std::function<voi
   }
   const double deep = overlap(world);
   std::printf(
-      "%-12s restitution %g: %zu touches, %zu crowded steps; %.2f evaluations a step, at most %ld; overlap %.2g m\n",
-      scene.name, restitution, touches, step.crowded_steps(), static_cast<double>(all) / steps, most, deep);
+      "%-12s restitution %g, friction %g: %zu touches, %zu crowded steps; %.2f evaluations a step, at most %ld; "
+      "overlap %.2g m\n",
+      scene.name, restitution, friction, touches, step.crowded_steps(), static_cast<double>(all) / steps, most, deep);
   CHECK_BETWEEN(static_cast<double>(all) / steps, 4, 3 * 4);
   CHECK(most <= 60 * 4);
   CHECK_BETWEEN(highest, start, start + 1e-9 * std::fabs(start));
@@ -83,6 +85,8 @@ int main() {
   for (const Scene& scene : scenes) {
     check_scene(scene, 0, [](AccurateStepOptions&) {});
     check_scene(scene, 0.4, [](AccurateStepOptions&) {});
+    check_scene(
+        scene, 0, [](AccurateStepOptions&) {}, 0.5);
   }
   // Settings that once ended in what could not be pushed apart, or in gaps of joints.
   for (const int most : {1, 4}) check_scene(scenes[0], 0, [=](AccurateStepOptions& o) { o.most_impacts = most; });

@@ -180,10 +180,11 @@ double kinetic(const World& world) {
 
 /// Every impact of a step on its own: energy as ODE's bodies show it just before and just after.
 struct Watched {
-  Watched(World& world, bool elastic, const std::function<double(dGeomID, dGeomID)>& restitution, ImpactOrder order) {
+  Watched(World& world, bool elastic, const std::function<double(dGeomID, dGeomID)>& restitution, ImpactOrder order,
+          double friction = 0) {
     AccurateStepOptions options;
-    options.contact = [restitution](dGeomID one, dGeomID other) {
-      return std::optional(Bounce{restitution(one, other)});
+    options.contact = [restitution, friction](dGeomID one, dGeomID other) {
+      return std::optional(Bounce{restitution(one, other), friction});
     };
     options.impact_order = order;
     options.rest_speed = elastic ? 0 : 1e-3;
@@ -253,7 +254,9 @@ int check_cluster(unsigned seed) {
     const auto [low, high] = std::minmax(number(one), number(other));
     return elastic ? 1 : Random(mix + 16 * low + high).restitution();
   };
-  Watched watched(world, elastic, restitution, random.chance(0.5) ? ImpactOrder::together : ImpactOrder::in_turn);
+  const ImpactOrder order = random.chance(0.5) ? ImpactOrder::together : ImpactOrder::in_turn;
+  const double friction = elastic || random.chance(0.4) ? 0 : random.uniform(0, 1.5);
+  Watched watched(world, elastic, restitution, order, friction);
   for (int k = 0; k < 10; ++k) (*watched.step)(0.02);
   return watched.impacts;
 }

@@ -43,9 +43,10 @@ class AccurateStepError : public std::runtime_error {
   dxJoint* joint;  // likewise
 };
 
-/// What happens where two geoms touch. Friction is not modelled.
+/// What happens where two geoms touch.
 struct Bounce {
   double restitution = 0;  // 0..1, of the normal velocity (Newton's law)
+  double friction = 0;     // >= 0, Coulomb's coefficient, sticking and sliding: a round cone
 };
 
 /// What several contacts at one moment do (touching rows, corners, what leans on each other). Either way kinetic energy

@@ -54,7 +54,7 @@ void Collider::stop(const Mechanism& mechanism, const State& state, std::vector<
       const auto touch = [&](double depth, double way_out) {
         if (depth < 0) return;
         contacts.push_back({joint.a, joint.b, x_b + of_b, way_out * axis, depth, stop.bounce,
-                            std::pair<const void*, const void*>(joint.id, &stop), !stop.slides});
+                            std::pair<const void*, const void*>(joint.id, &stop), !stop.slides, 0});
       };
       touch(stop.low - at, 1);
       touch(at - stop.high, -1);
@@ -103,6 +103,9 @@ void Collider::meet(const Mechanism& mechanism, dGeomID one, dGeomID other, std:
   if (!(bounce->restitution >= 0 && bounce->restitution <= 1)) {
     refuse("a restitution must be 0 to 1, not " + shown(bounce->restitution));
   }
+  if (!(bounce->friction >= 0 && std::isfinite(bounce->friction))) {
+    refuse("a coefficient of friction must be 0 or more, not " + shown(bounce->friction));
+  }
   constexpr int most = 64;
   dContactGeom found[most];
   const int count = dCollide(one, other, most, found, sizeof(dContactGeom));
@@ -119,7 +122,9 @@ void Collider::meet(const Mechanism& mechanism, dGeomID one, dGeomID other, std:
                         {geom.normal[0], geom.normal[1], geom.normal[2]},
                         geom.depth,
                         bounce->restitution,
-                        std::minmax<const void*>(one, other)});
+                        std::minmax<const void*>(one, other),
+                        false,
+                        bounce->friction});
   }
 }
 

@@ -30,6 +30,8 @@ constexpr double time_rounding = 1e-15;    // of what is left of the step
 constexpr double beyond_rounding = 1e-14;  // of a motor's limit or velocity
 constexpr double near_newton = 0.02;       // of the bracket: Newton's method misses by the square of what it moved
 constexpr int most_pushes = 10;
+constexpr double almost = 0.95;  // normal impulses shift between contacts as it sticks
+constexpr int most_splits = 4;   // of a step where something comes to stick
 
 bool same_geoms(const Contact& one, const Contact& other) { return one.geoms == other.geoms; }
 
@@ -49,6 +51,7 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
   const std::vector<Contact> rested = resting_;
   const int crowded = crowded_;
   std::size_t struck = 0;
+  int splits = 0;
   touches_.clear();
   stopped_.clear();
   struck_.clear();
@@ -63,7 +66,20 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
       if (!collider_.works(motion_.mechanism())) break;
       look(there_);
       if (deepest(there_) == nullptr) {
-        hold(there_);
+        const std::vector<Contact> resting = resting_;
+        hold(there_, h - t);
+        // What slid and sticks is taken to the moment at which it does: first almost, then what is left of its speed is
+        // so little that it is taken exactly.
+        if (sticks_at_ < 1 && splits++ < most_splits) {
+          const double part = (splits % 2 == 1 ? almost : 1) * sticks_at_ * (h - t);
+          resting_ = resting;
+          move(t, part, there_);
+          look(there_);
+          hold(there_, part);
+          t += part;
+          std::swap(here_, there_);
+          continue;
+        }
         break;
       }
       if (crowded_ > 0) {
@@ -74,7 +90,7 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
       if (!resting_.empty()) {
         const State let_go = there_;
         const std::vector<Contact> resting = resting_;
-        const bool touched = hold(there_);
+        const bool touched = hold(there_, h - t);
         if (!touched) break;
         there_ = let_go;
         resting_ = resting;
@@ -87,7 +103,7 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
       impact(t, passed <= 0, impacts >= options_.most_impacts);
       if (t < h) continue;
       there_ = here_;
-      hold(there_);
+      hold(there_, 0);
       break;
     }
     if (!finite(there_)) refuse("the motion left the finite numbers; take a smaller step");
@@ -183,10 +199,7 @@ void Flight::refuse_apart(const JointError& error, const std::string& when) cons
 /// Geoms that do not bounce any more in this step.
 bool Flight::stopped(const Contact& contact) const { return all_stopped_ || among(stopped_, contact); }
 
-/// A contact of geoms that rested when this part of the step began, and did not approach at this point then, along the
-/// normal of that time: what approaches at its end is what the forces did.
-bool Flight::rests(const Contact& contact, const State& at) const {
-  if (stopped(contact)) return true;
+const Contact* Flight::nearest_resting(const Contact& contact) const {
   const Contact* nearest = nullptr;
   for (const Contact& other : resting_) {
     if (!same_geoms(contact, other)) continue;
@@ -194,6 +207,14 @@ bool Flight::rests(const Contact& contact, const State& at) const {
       nearest = &other;
     }
   }
+  return nearest;
+}
+
+/// A contact of geoms that rested when this part of the step began, and did not approach at this point then, along the
+/// normal of that time: what approaches at its end is what the forces did.
+bool Flight::rests(const Contact& contact, const State& at) const {
+  if (stopped(contact)) return true;
+  const Contact* const nearest = nearest_resting(contact);
   if (nearest == nullptr) return false;
   Contact then = contact;
   then.normal = nearest->a == contact.a ? nearest->normal : Vector3d(-nearest->normal);
@@ -333,6 +354,20 @@ void Flight::tell(const std::function<void(const Touch&)>& observer, const Touch
   observer(touch);
 }
 
+/// What impulses at the end of a time h would have moved poses by if they had acted evenly all the while: half of the
+/// change of velocity times h. The contacts at hand get that much shallower.
+std::vector<Twist> Flight::follow(const State& free, const State& held, double h) {
+  std::vector<Twist> by(free.size());
+  for (std::size_t i = 0; i < by.size(); ++i) {
+    by[i].linear = h / 2 * (held[i].twist.linear - free[i].twist.linear);
+    by[i].angular = h / 2 * (held[i].twist.angular - free[i].twist.angular);
+  }
+  for (Contact& contact : contacts_) {
+    contact.depth -= h / 2 * (normal_speed(contact, held) - normal_speed(contact, free));
+  }
+  return by;
+}
+
 /// The rest of a step in which contacts crowd, by the scheme of Moreau and Jean: free motion to its end, there one
 /// impact of all contacts, by the speeds at which they closed before the forces of the step. Poses follow half of the
 /// change of velocity, which is what holds what rests in its place, and leave half of what overlaps besides to the next
@@ -346,28 +381,34 @@ void Flight::settle_crowd(State& state, double h) {
   }
   crowded_ = bounced ? calm_steps : crowded_ - 1;
   motion_.project(state);  // the matrix of this pose, for the impulses
+  recall();
   const Impact impact(motion_, contacts_, state);
-  std::vector<Twist> by(state.size());
   const State free = state;
-  impact.strike(state, options_.impact_order, options_.rest_speed);
+  const Eigen::VectorXd impulses = impact.strike(state, options_.impact_order, options_.rest_speed);
+  for (std::size_t i = 0; i < contacts_.size(); ++i) contacts_[i].push = impact.push_of(impulses, i);
   resting_.clear();
+  const std::vector<Twist> by = follow(free, state, h);
   for (Contact& contact : contacts_) {
     if (normal_speed(contact, state) <= options_.rest_speed) resting_.push_back(contact);
-    const double apart = h / 2 * (normal_speed(contact, state) - normal_speed(contact, free));
-    contact.depth = (contact.depth - apart - rest_depth) / 2;
-  }
-  for (std::size_t i = 0; i < state.size(); ++i) {
-    by[i].linear = h / 2 * (state[i].twist.linear - free[i].twist.linear);
-    by[i].angular = h / 2 * (state[i].twist.angular - free[i].twist.angular);
+    contact.depth = (contact.depth - rest_depth) / 2;
   }
   const State before = state;
   if (!(impact.push_out(0, state, by).size <= mendable)) state = before;
 }
 
+/// Contacts at hand that rested before begin with what they pushed then.
+void Flight::recall() {
+  for (Contact& contact : contacts_) {
+    const Contact* const before = nearest_resting(contact);
+    if (before != nullptr) contact.push = before->push;
+  }
+}
+
 /// At the end of a step, with its contacts at hand: what rests stops and is pushed out of what it rests on. Returns
 /// true if something touches that does not rest.
-bool Flight::hold(State& state) {
+bool Flight::hold(State& state, double h) {
   bool touched = false;
+  sticks_at_ = 1;
   const auto at_rest = [&] {
     touched = deepest(state) != nullptr;
     std::erase_if(contacts_, [&](const Contact& contact) { return !rests(contact, state); });
@@ -377,10 +418,20 @@ bool Flight::hold(State& state) {
   std::vector<Contact> rest = contacts_;
   for (int push = 0; push < most_pushes && !contacts_.empty(); ++push) {
     if (push > 0 && deepest_of(contacts_) <= 2 * rest_depth) break;
+    const bool first = push == 0 && h > 0;
+    if (first) recall();
     const Impact impact(motion_, contacts_, state);
-    impact.stop(state);
+    const bool rubs = std::ranges::any_of(contacts_, [](const Contact& contact) { return contact.friction > 0; });
+    const State free = state;
+    const Eigen::VectorXd impulses = impact.stop(state);
+    std::vector<Twist> by;
+    if (first && rubs) {
+      for (std::size_t i = 0; i < rest.size(); ++i) rest[i].push = impact.push_of(impulses, i);
+      sticks_at_ = impact.sticks_at(impulses, here_, state);
+      by = follow(free, state, h);
+    }
     const State before = state;
-    if (!(impact.push_out(rest_depth, state).size <= mendable)) {  // between jaws of joints
+    if (!(impact.push_out(rest_depth, state, by).size <= mendable)) {  // between jaws of joints
       state = before;
       break;
     }

@@ -37,6 +37,8 @@ class Flight {
   [[noreturn]] void refuse_apart(const JointError& error, const std::string& when) const;
   void look(const State& state) { collider_.look(motion_.mechanism(), state, contacts_); }
   bool stopped(const Contact& contact) const;
+  const Contact* nearest_resting(const Contact& contact) const;
+  void recall();
   bool rests(const Contact& contact, const State& at) const;
   const Contact* deepest(const State& at) const;
   double locate(double after, double longest);
@@ -44,7 +46,8 @@ class Flight {
   void strike(State& state) const;
   bool add_closed_by_strike();
   void tell(const std::function<void(const Touch&)>& observer, const Touch& touch) const;
-  bool hold(State& state);
+  bool hold(State& state, double h);
+  std::vector<Twist> follow(const State& free, const State& held, double h);
   void settle_crowd(State& state, double h);
 
   Motion& motion_;
@@ -58,7 +61,8 @@ class Flight {
   std::vector<Contact> stopped_;   // their geoms do not bounce any more in this step
   std::vector<Contact> struck_;    // at `here_`
   bool all_stopped_ = false;
-  int crowded_ = 0;  // steps that are left to the crowd's scheme if nothing bounces
+  double sticks_at_ = 1;  // share of the time held last after which something came to stick
+  int crowded_ = 0;       // steps that are left to the crowd's scheme if nothing bounces
   std::size_t crowded_steps_ = 0;
   std::vector<Touch> touches_;
 };

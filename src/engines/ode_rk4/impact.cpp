@@ -1,5 +1,7 @@
 #include "engines/ode_rk4/impact.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "engines/ode_rk4/complementarity.hpp"
@@ -10,7 +12,15 @@ namespace {
 
 std::size_t index(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
-constexpr double held = 1e-12;  // of the change of speed that bodies without joints would have: a thousand roundings
+constexpr double rounding = 1e-12;   // of the fastest speed, of the largest impulse
+constexpr double softness = 1e-6;    // of the contacts, against their own response; made up for from round to round
+constexpr double sliding = 1e-9;     // m/s: slower is sticking, to what friction is solved to
+constexpr double agreement = 1e-10;  // of the largest impulse: soft shares are rounded to that
+// Of friction and normal impulses in turn: to the end for a few bodies that stand; a heap goes on from where it was.
+constexpr int most_rounds = 100, most_rounds_of_many = 6;
+constexpr int most_sweeps = 1000, most_sweeps_of_many = 20;
+constexpr Eigen::Index many = 24;  // rows of friction
+constexpr double held = 1e-12;     // of the change of speed that bodies without joints would have: a thousand roundings
 
 double along(const Contact& contact, const Vector3d& arm, const Twist& twist) {
   if (contact.turns) return contact.normal.dot(twist.angular);
@@ -23,6 +33,16 @@ Wrench push(const Contact& contact, const Vector3d& arm, double size) {
 }
 
 }  // namespace
+
+Vector3d slip(const Contact& contact, const State& found_at, const State& velocities) {
+  const auto of = [&](std::size_t body) -> Vector3d {
+    if (body == world_body) return Vector3d::Zero();
+    const Twist& twist = velocities[body].twist;
+    return twist.linear + twist.angular.cross(contact.point - found_at[body].pose.position);
+  };
+  const Vector3d apart = of(contact.a) - of(contact.b);
+  return apart - contact.normal * contact.normal.dot(apart);
+}
 
 double normal_speed(const Contact& contact, const State& state) { return normal_speed(contact, state, state); }
 
@@ -47,15 +67,25 @@ double Impact::free_response(const Contact& contact) const {
 
 Impact::Impact(Motion& motion, std::span<const Contact> contacts, const State& state)
     : motion_(motion), contacts_(contacts), impulses_(state.size()), change_(state.size()) {
-  const auto count = static_cast<Eigen::Index>(contacts.size());
-  for (const Contact& contact : contacts) {
+  rows_.assign(contacts.begin(), contacts.end());
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    if (contacts[i].friction <= 0) continue;
+    rubbing_.push_back(i);
+    const Vector3d across = contacts[i].normal.unitOrthogonal();
+    for (const Vector3d& along_plane : {across, Vector3d(contacts[i].normal.cross(across))}) {
+      rows_.push_back(contacts[i]);
+      rows_.back().normal = along_plane;
+    }
+  }
+  const auto count = static_cast<Eigen::Index>(rows_.size());
+  for (const Contact& contact : rows_) {
     for (const std::size_t body : {contact.a, contact.b}) {
       arms_.push_back(body == world_body ? Vector3d::Zero() : Vector3d(contact.point - state[body].pose.position));
     }
   }
   response_ = Eigen::MatrixXd::Zero(count, count);
   const auto speed = [this](Eigen::Index i) {
-    const Contact& contact = contacts_[index(i)];
+    const Contact& contact = rows_[index(i)];
     double sum = 0;
     if (contact.a != world_body) sum += along(contact, arms_[2 * index(i)], change_[contact.a]);
     if (contact.b != world_body) sum -= along(contact, arms_[2 * index(i) + 1], change_[contact.b]);
@@ -64,12 +94,12 @@ Impact::Impact(Motion& motion, std::span<const Contact> contacts, const State& s
   // Without joints an impulse moves its own two bodies only.
   std::vector<std::vector<Eigen::Index>> of_body(state.size());
   for (Eigen::Index i = 0; i < count; ++i) {
-    for (const std::size_t body : {contacts[index(i)].a, contacts[index(i)].b}) {
+    for (const std::size_t body : {rows_[index(i)].a, rows_[index(i)].b}) {
       if (body != world_body) of_body[body].push_back(i);
     }
   }
   for (Eigen::Index j = 0; j < count; ++j) {
-    const Contact& contact = contacts[index(j)];
+    const Contact& contact = rows_[index(j)];
     if (motion_.jointed(contact.a) || motion_.jointed(contact.b)) {
       respond(Eigen::VectorXd::Unit(count, j));
       for (Eigen::Index i = 0; i < count; ++i) response_(i, j) = speed(i);
@@ -91,7 +121,7 @@ Impact::Impact(Motion& motion, std::span<const Contact> contacts, const State& s
   }
   // What joints hold, an impulse moves by rounding only.
   for (Eigen::Index i = 0; i < count; ++i) {
-    if (response_(i, i) > held * free_response(contacts[index(i)])) continue;
+    if (response_(i, i) > held * free_response(rows_[index(i)])) continue;
     response_.row(i).setZero();
     response_.col(i).setZero();
   }
@@ -105,18 +135,18 @@ void Impact::respond(const Eigen::VectorXd& sizes) const {
     impulses_[body].force += impulse.force;
     impulses_[body].torque += impulse.torque;
   };
-  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
     const double size = sizes[static_cast<Eigen::Index>(i)];
     if (size == 0) continue;
-    add(contacts_[i], contacts_[i].a, arms_[2 * i], size);
-    add(contacts_[i], contacts_[i].b, arms_[2 * i + 1], -size);
+    add(rows_[i], rows_[i].a, arms_[2 * i], size);
+    add(rows_[i], rows_[i].b, arms_[2 * i + 1], -size);
   }
   motion_.respond(impulses_, change_);
 }
 
 Eigen::VectorXd Impact::speeds(const State& state) const {
-  Eigen::VectorXd v(static_cast<Eigen::Index>(contacts_.size()));
-  for (Eigen::Index i = 0; i < v.size(); ++i) v[i] = normal_speed(contacts_[index(i)], state);
+  Eigen::VectorXd v(static_cast<Eigen::Index>(rows_.size()));
+  for (Eigen::Index i = 0; i < v.size(); ++i) v[i] = normal_speed(rows_[index(i)], state);
   return v;
 }
 
@@ -128,7 +158,7 @@ void Impact::strike_by(const Eigen::VectorXd& impulses, State& state) const {
   }
 }
 
-void Impact::strike(State& state, ImpactOrder order, double rest_speed) const {
+Eigen::VectorXd Impact::strike(State& state, ImpactOrder order, double rest_speed) const {
   Restitution restitution{Eigen::VectorXd(static_cast<Eigen::Index>(contacts_.size())), rest_speed};
   std::map<std::pair<const void*, const void*>, std::size_t> numbers;
   std::vector<std::size_t> pair;
@@ -136,22 +166,136 @@ void Impact::strike(State& state, ImpactOrder order, double rest_speed) const {
     restitution.of[static_cast<Eigen::Index>(i)] = contacts_[i].restitution;
     pair.push_back(numbers.emplace(contacts_[i].geoms, numbers.size()).first->second);
   }
-  const Eigen::VectorXd before = speeds(state);
-  strike_by(order == ImpactOrder::together ? strike_together(response_, before, restitution)
-                                           : strike_in_turn(response_, before, restitution, pair),
-            state);
+  const Eigen::VectorXd v = speeds(state);
+  const Eigen::MatrixXd a = response_.topLeftCorner(normals(), normals());
+  Eigen::VectorXd p = Eigen::VectorXd::Zero(response_.rows());
+  const auto bounces = (v.head(normals()).array() < -rest_speed && restitution.of.array() > 0).any();
+  if (tangents() > 0 && !bounces) {
+    p = hold(v);
+    if (p.dot(2 * v + response_ * p) <= rounding * p.dot(v.cwiseAbs())) {
+      strike_by(p, state);
+      return p;
+    }
+    p.setZero();  // not solved: where it can not be wrong
+  }
+  p.head(normals()) = order == ImpactOrder::together ? strike_together(a, v.head(normals()), restitution)
+                                                     : strike_in_turn(a, v.head(normals()), restitution, pair);
+  if (tangents() > 0) {
+    // Friction takes what it can of what is left, and what it makes to close is stopped: no part of it adds energy.
+    p.tail(tangents()) = rub(v.tail(tangents()) + response_.bottomLeftCorner(tangents(), normals()) * p.head(normals()),
+                             p.head(normals()), Eigen::VectorXd::Zero(tangents()));
+    for (int round = 0; round < most_rounds; ++round) {
+      const Eigen::VectorXd now = v + response_ * p;
+      if (now.head(normals()).minCoeff() >= -rounding * v.cwiseAbs().maxCoeff()) break;
+      p.head(normals()) += complementary(a, now.head(normals()));
+    }
+  }
+  strike_by(p, state);
+  return p;
 }
 
-void Impact::stop(State& state) const {
-  const Eigen::VectorXd before = speeds(state);
-  strike_by(strike_together(response_, before, {Eigen::VectorXd::Zero(before.size())}), state);
+/// Friction at contacts that push so much: the impulses in their discs that leave the least energy, by projected
+/// gradients contact after contact.
+Eigen::VectorXd Impact::rub(const Eigen::VectorXd& speeds, const Eigen::VectorXd& normal, Eigen::VectorXd p) const {
+  const Eigen::MatrixXd a = response_.bottomRightCorner(tangents(), tangents());
+  Eigen::VectorXd v = speeds + a * p;
+  const double enough = rounding / 100 * speeds.cwiseAbs().maxCoeff();
+  const int sweeps = tangents() > many ? most_sweeps_of_many : most_sweeps;
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
+    double moved = 0;
+    for (std::size_t k = 0; k < rubbing_.size(); ++k) {
+      const auto row = static_cast<Eigen::Index>(2 * k);
+      const Eigen::Matrix2d own = a.block<2, 2>(row, row);
+      const double steepest = own.trace() / 2 + std::hypot((own(0, 0) - own(1, 1)) / 2, own(0, 1));
+      if (steepest <= 0) continue;
+      const Eigen::Vector2d was = p.segment<2>(row);
+      Eigen::Vector2d now = was - v.segment<2>(row) / steepest;
+      const double most = contacts_[rubbing_[k]].friction * normal[static_cast<Eigen::Index>(rubbing_[k])];
+      if (now.norm() > most) now *= most / now.norm();
+      const Eigen::Vector2d change = now - was;
+      v += a.middleCols<2>(row) * change;
+      p.segment<2>(row) = now;
+      moved = std::max(moved, steepest * change.norm());
+    }
+    if (moved <= enough) break;
+  }
+  return p;
+}
+
+/// Nothing closes, and friction is in its cone: normal impulses for given friction and friction for given normal
+/// impulses in turn, until they agree. Where contacts say the same each gets the same share, as soft ground would have
+/// it: friction feels the shares.
+Eigen::VectorXd Impact::hold(const Eigen::VectorXd& v) const {
+  const Eigen::Index n = normals(), m = tangents();
+  Eigen::VectorXd p = Eigen::VectorXd::Zero(n + m);
+  const Eigen::MatrixXd a = response_.topLeftCorner(n, n);
+  if (m == 0) return strike_together(a, v, {Eigen::VectorXd::Zero(n)});
+  for (Eigen::Index i = 0; i < n + m; ++i) p[i] = rows_[index(i)].push.dot(rows_[index(i)].normal);
+  const double soft = softness * a.diagonal().maxCoeff();
+  const Eigen::MatrixXd softened = a + soft * Eigen::MatrixXd::Identity(n, n);
+  const int rounds = m > many ? most_rounds_of_many : most_rounds;
+  for (int round = 0; round < rounds; ++round) {
+    const Eigen::VectorXd was = p;
+    const Eigen::VectorXd closing = v.head(n) + response_.topRightCorner(n, m) * p.tail(m);
+    p.head(n) = complementary(softened, closing - soft * was.head(n));
+    p.tail(m) = rub(v.tail(m) + response_.bottomLeftCorner(m, n) * p.head(n), p.head(n), p.tail(m));
+    if ((p - was).cwiseAbs().maxCoeff() <= agreement * p.cwiseAbs().maxCoeff()) break;
+  }
+  return p;
+}
+
+Vector3d Impact::push_of(const Eigen::VectorXd& impulses, std::size_t contact) const {
+  Vector3d sum = impulses[static_cast<Eigen::Index>(contact)] * contacts_[contact].normal;
+  for (std::size_t k = 0; k < rubbing_.size(); ++k) {
+    if (rubbing_[k] != contact) continue;
+    for (const std::size_t row : {contacts_.size() + 2 * k, contacts_.size() + 2 * k + 1}) {
+      sum += impulses[static_cast<Eigen::Index>(row)] * rows_[row].normal;
+    }
+  }
+  return sum;
+}
+
+Eigen::VectorXd Impact::stop(State& state) const {
+  const Eigen::VectorXd p = hold(speeds(state));
+  strike_by(p, state);
+  return p;
+}
+
+double Impact::sticks_at(const Eigen::VectorXd& impulses, const State& before, const State& state) const {
+  // Every contact that sticks now slides on as it came.
+  Eigen::VectorXd on = Eigen::VectorXd::Zero(impulses.size());
+  std::vector<std::pair<Eigen::Index, Eigen::Vector2d>> stuck;
+  const auto speeds_of = [this](const State& velocities, std::size_t k) {
+    const std::size_t row = contacts_.size() + 2 * k;
+    return Eigen::Vector2d(normal_speed(rows_[row], velocities), normal_speed(rows_[row + 1], velocities));
+  };
+  for (std::size_t k = 0; k < rubbing_.size(); ++k) {
+    const Contact& contact = contacts_[rubbing_[k]];
+    State then = state;
+    for (std::size_t i = 0; i < state.size(); ++i) then[i].twist = before[i].twist;
+    const Eigen::Vector2d came = speeds_of(then, k), left = speeds_of(state, k);
+    const Eigen::Index row = normals() + static_cast<Eigen::Index>(2 * k);
+    if (came.norm() <= sliding || left.norm() > came.norm() / 1000) continue;
+    const double most = contact.friction * impulses[static_cast<Eigen::Index>(rubbing_[k])];
+    on.segment<2>(row) = -most * came.normalized() - impulses.segment<2>(row);
+    stuck.emplace_back(row, came);
+  }
+  double share = 1;
+  const Eigen::VectorXd change = response_ * on;
+  for (const auto& [row, came] : stuck) {
+    const double back = -change.segment<2>(row).dot(came.normalized());
+    if (back > 0) share = std::min(share, came.norm() / (came.norm() + back));
+  }
+  return share;
 }
 
 JointError Impact::push_out(double depth, State& state, std::span<const Twist> besides) const {
   Eigen::VectorXd b(static_cast<Eigen::Index>(contacts_.size()));
   for (std::size_t i = 0; i < contacts_.size(); ++i) b[static_cast<Eigen::Index>(i)] = depth - contacts_[i].depth;
   if (besides.empty() && (b.array() >= 0).all()) return {};
-  respond(complementary(response_, b));
+  Eigen::VectorXd p = Eigen::VectorXd::Zero(response_.rows());
+  p.head(normals()) = complementary(response_.topLeftCorner(normals(), normals()), b);
+  respond(p);
   for (std::size_t i = 0; i < besides.size(); ++i) {
     change_[i].linear += besides[i].linear;
     change_[i].angular += besides[i].angular;

@@ -18,6 +18,8 @@ struct Contact {
   double restitution;
   std::pair<const void*, const void*> geoms;  // in the order of their addresses; of a stop, its joint and itself
   bool turns = false;                         // a stop of a hinge: the normal is an axis, the depth an angle
+  double friction = 0;
+  Vector3d push = Vector3d::Zero();  // N s, of it the last time it was held: where to begin
 };
 
 /// Normal speed of a against b at a contact found at `state`, m/s; negative: they approach.
@@ -25,16 +27,23 @@ double normal_speed(const Contact& contact, const State& state);
 /// The same, for velocities of another time.
 double normal_speed(const Contact& contact, const State& found_at, const State& velocities);
 
+/// Velocity of a against b along the contact's plane, m/s.
+Vector3d slip(const Contact& contact, const State& found_at, const State& velocities);
+
 /// What impulses at the contacts of one pose do: that of the motion's last projection.
 class Impact {
  public:
   Impact(Motion& motion, std::span<const Contact> contacts, const State& state);
 
   /// After it no contact closes, impulses have only pushed, and kinetic energy is at most what it was, by the laws of
-  /// restitution.hpp. All bodies feel the impulses through the joints.
-  void strike(State& state, ImpactOrder order, double rest_speed) const;
-  /// Without restitution.
-  void stop(State& state) const;
+  /// restitution.hpp, and friction in its cone. Returns impulses. All bodies feel the impulses through the joints.
+  Eigen::VectorXd strike(State& state, ImpactOrder order, double rest_speed) const;
+  /// Without restitution: impulses, friction in its cone. Returns them.
+  Eigen::VectorXd stop(State& state) const;
+  /// Of what `stop` brought to stick: when it came to stick, as a share of the time in which the impulses acted evenly,
+  /// from the velocities that it had before them and that sliding on would have led to. 1 where nothing did.
+  Vector3d push_of(const Eigen::VectorXd& impulses, std::size_t contact) const;
+  double sticks_at(const Eigen::VectorXd& impulses, const State& before, const State& state) const;
 
   /// Moves the bodies apart, mass-weighted and with joints kept, until no contact is deeper than `depth`, to the first
   /// order in the way, and by what is given besides. Ends what the Impact can be used for. Returns the joint error that
@@ -47,10 +56,17 @@ class Impact {
   void strike_by(const Eigen::VectorXd& impulses, State& state) const;
   void respond(const Eigen::VectorXd& sizes) const;  // into change_
 
+  Eigen::VectorXd rub(const Eigen::VectorXd& speeds, const Eigen::VectorXd& normal, Eigen::VectorXd from) const;
+  Eigen::VectorXd hold(const Eigen::VectorXd& speeds) const;
+  Eigen::Index tangents() const { return response_.rows() - normals(); }
+  Eigen::Index normals() const { return static_cast<Eigen::Index>(contacts_.size()); }
+
   Motion& motion_;
   std::span<const Contact> contacts_;
-  Eigen::MatrixXd response_;    // speeds of the contacts, for a unit impulse at each
-  std::vector<Vector3d> arms_;  // of each contact on its two bodies
+  std::vector<Contact> rows_;         // the contacts, then two more for each that rubs, along its plane
+  std::vector<std::size_t> rubbing_;  // the contact of each two
+  Eigen::MatrixXd response_;          // speeds of the rows, for a unit impulse at each
+  std::vector<Vector3d> arms_;        // of each row on its two bodies
   mutable std::vector<Wrench> impulses_;
   mutable std::vector<Twist> change_;
 };
