@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <functional>
 
-#include "engine_rk4/accurate_step.hpp"
+#include "engines/ode_rk4/accurate_step.hpp"
 #include "tests/accurate/worlds.hpp"
 #include "tests/check.hpp"
 
