@@ -32,14 +32,15 @@ using MakeSimulation = std::unique_ptr<Simulation> (*)(const Scenario&, const Sa
 
 /// What a scenario may ask of an engine beyond one link that swings freely.
 enum class Feature : std::uint8_t {
-  space,            // bodies that are no links in a plane
-  several_links,    // two or more
-  many_links,       // three or more
-  wall,             // links that strike something
-  wall_of_several,  // more than one of them
-  ground,           // contacts of bodies in space
-  friction,         // of any contact
-  joints_in_space,  // joints of bodies that are no links in a plane
+  space,              // bodies that are no links in a plane
+  several_links,      // two or more
+  many_links,         // three or more
+  wall,               // links that strike something
+  wall_of_several,    // more than one of them
+  ground,             // contacts of bodies in space
+  friction,           // of any contact, by a coefficient
+  constant_friction,  // by a force, whatever the normal force is
+  joints_in_space,    // joints of bodies that are no links in a plane
   motors,
   stops,
   inertia,  // a tensor of its own, not that of a uniform solid

@@ -15,10 +15,10 @@ class AccurateStepper final : public engine_ode::WorldStepper {
  private:
   static AccurateStepOptions options(const engine_ode::SteppedWorld& world) {
     AccurateStepOptions options;
-    if (world.restitution) {
-      options.contact = [of = world.restitution](dxGeom* first, dxGeom* second) -> std::optional<Bounce> {
-        const std::optional<double> restitution = of(first, second);
-        return restitution ? std::optional(Bounce{*restitution}) : std::nullopt;
+    if (world.contact) {
+      options.contact = [of = world.contact](dxGeom* first, dxGeom* second) -> std::optional<Bounce> {
+        const std::optional<engine_ode::Touching> touching = of(first, second);
+        return touching ? std::optional(Bounce{touching->restitution, touching->friction}) : std::nullopt;
       };
     }
     options.before_impact = [tell = world.before_impact](const Touch& touch) { tell(touch.t); };

@@ -47,10 +47,12 @@ constexpr Features any_chain{Feature::several_links, Feature::many_links};
 constexpr Features chain_or_one_at_wall = any_chain | Features{Feature::wall};
 constexpr Features any_planar = chain_or_one_at_wall | Features{Feature::wall_of_several};
 constexpr Features touching_bodies = any_planar | Features{Feature::space, Feature::ground};
-constexpr Features all_of_ode = touching_bodies | Features{Feature::friction, Feature::joints_in_space, Feature::motors,
-                                                           Feature::stops, Feature::inertia};
-constexpr Features closed_form{Feature::wall, Feature::space, Feature::ground, Feature::friction,
-                               Feature::joints_in_space};
+constexpr Features accurate =
+    touching_bodies | Features{Feature::friction, Feature::motors, Feature::stops, Feature::inertia};
+constexpr Features all_of_ode = accurate | Features{Feature::constant_friction, Feature::joints_in_space};
+constexpr Features closed_form{
+    Feature::wall,           Feature::space, Feature::ground, Feature::friction, Feature::constant_friction,
+    Feature::joints_in_space};
 
 std::vector<Method> make_table() {
   const std::span<const EngineSetting> step = step_settings();
@@ -73,7 +75,7 @@ std::vector<Method> make_table() {
        quickstep, hinge_rows_cfm},
       {"ode-quickstep-single", bodies, "dWorldQuickStep, single precision", 1, 0, 0, all_of_ode, quickstep_single,
        quickstep, hinge_rows_cfm, single},
-      {"ode-rk4-double", bodies, "odeval's Runge-Kutta step beside ODE's collision detection", 4, 0, 0, touching_bodies,
+      {"ode-rk4-double", bodies, "odeval's Runge-Kutta step beside ODE's collision detection", 4, 0, 0, accurate,
        make_accurate, accurate_step_settings(), hinge_rows},
       {reference_method, lagrangian, "SUNDIALS CVODE, Adams: the reference", 0, tight.rtol, tight.atol,
        any_planar | Features{Feature::space}, reference::make_cvode, tolerances, mass_matrix},

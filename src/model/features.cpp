@@ -6,7 +6,7 @@
 namespace odeval {
 namespace {
 
-constexpr std::array<std::string_view, 11> names{
+constexpr std::array<std::string_view, 12> names{
     "bodies in space",
     "more than one link",
     "more than two links",
@@ -14,6 +14,7 @@ constexpr std::array<std::string_view, 11> names{
     "contacts of more than one link",
     "contacts of bodies in space",
     "friction",
+    "friction of a constant force",
     "joints of bodies in space",
     "motors",
     "stops",
@@ -46,7 +47,8 @@ Features features_of(const Scenario& scenario) {
     add_of_space(asked, mechanism);
   }
   for (const Contact& contact : mechanism.contacts) {
-    if (contact.friction) asked.add(Feature::friction);
+    if (!contact.friction) continue;
+    asked.add(contact.friction->model == FrictionModel::constant ? Feature::constant_friction : Feature::friction);
   }
   for (const Joint& joint : mechanism.joints) {
     if (joint.motor) asked.add(Feature::motors);

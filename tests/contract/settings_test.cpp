@@ -180,8 +180,7 @@ void check(const Row& row, const Stage& stage, const Runs& before, const std::st
           std::string(method) + " moves otherwise, and would refuse the setting as one that it does not read");
       say(shows(after.at(letter).settings, row.key, row.value),
           std::string(method) + " moves otherwise, and its summary does not show the value");
-      say(!shows(before.at(letter).settings, row.key, row.value),
-          std::string(method) + " has it without being told");
+      say(!shows(before.at(letter).settings, row.key, row.value), std::string(method) + " has it without being told");
     }
   } catch (const UserError& error) {
     moved = "-";

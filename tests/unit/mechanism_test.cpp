@@ -209,6 +209,8 @@ std::string_view words_of(Feature feature) {
       return "contacts of bodies in space";
     case Feature::friction:
       return "friction";
+    case Feature::constant_friction:
+      return "friction of a constant force";
     case Feature::joints_in_space:
       return "joints of bodies in space";
     case Feature::motors:

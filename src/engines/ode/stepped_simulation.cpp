@@ -18,9 +18,10 @@ SteppedSimulation::SteppedSimulation(const Scenario& scenario, const SampleGrid&
     : SteppedSimulation(scenario, grid, StepFunction{}) {
   SteppedWorld world{scene_.world(), scene_.space(), {}, {}, {}};
   if (touching_) {
-    world.restitution = [this](dGeomID first, dGeomID second) -> std::optional<double> {
+    world.contact = [this](dGeomID first, dGeomID second) -> std::optional<Touching> {
       const Surface* const surface = scene_.surface_between(first, second);
-      return surface == nullptr ? std::nullopt : std::optional(surface->parameters.bounce);
+      if (surface == nullptr) return std::nullopt;
+      return Touching{surface->parameters.bounce, surface->parameters.mu};
     };
   }
   world.before_impact = [this](double after_s) {

@@ -10,11 +10,17 @@ struct dxWorld;
 
 namespace odeval::engine_ode {
 
+/// How two geoms touch.
+struct Touching {
+  double restitution = 0;
+  double friction = 0;  // Coulomb's coefficient
+};
+
 /// What a stepper is given. Handles only; no ODE type crosses the modules' border.
 struct SteppedWorld {
   dxWorld* world;
   dxSpace* space;
-  std::function<std::optional<double>(dxGeom*, dxGeom*)> restitution;  // of two geoms; nothing: they do not touch
+  std::function<std::optional<Touching>(dxGeom*, dxGeom*)> contact;  // nothing: they pass through each other
   std::function<void(double after_s)> before_impact;  // called with the world's bodies as they are just before
   std::function<void()> after_impact;                 // and just after
 };
