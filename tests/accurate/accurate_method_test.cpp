@@ -94,7 +94,8 @@ void check_gain() {
 /// there.
 void check_friction() {
   for (const double angle : {0.0, 0.3, 0.78539816339744831}) {
-    Description slide{.problem = &test::problem("friction_slide")};
+    Description slide;
+    slide.problem = &test::problem("friction_slide");
     slide.bodies = {{.mass_kg = 2,
                      .size_m = {0.4, 0.4, 0.1},
                      .position_m = {0, 0, 0.05},
