@@ -12,7 +12,7 @@ bool constrained(const Scenario& scenario) { return !scenario.mechanism.joints.e
 bool sprung(const Scenario& scenario) { return !scenario.planar && !scenario.mechanism.joints.empty(); }
 bool bouncing(const Scenario& scenario) {
   return std::ranges::any_of(scenario.mechanism.contacts,
-                             [&](const Contact& contact) { return scenario.ode.bounce || contact.restitution > 0; });
+                             [&](const Contact& contact) { return scenario.ode.bounce.value_or(contact.restitution) > 0; });
 }
 bool rubbing(const Scenario& scenario) {
   return std::ranges::any_of(scenario.mechanism.contacts,

@@ -29,7 +29,11 @@ Check whole_within(long least, long most) {
 }
 
 Check folder_name() {
-  return [](const std::string& folder) { return folder.empty() ? std::string("must name a folder") : ""; };
+  return [](const std::string& folder) {
+    if (folder.starts_with("--"))
+      return "must name a folder; '" + folder + "' is a flag (a folder of that name is './" + folder + "')";
+    return folder.empty() ? std::string("must name a folder") : "";
+  };
 }
 
 Flag& Flag::type_name(std::string name) {

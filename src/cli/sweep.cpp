@@ -179,10 +179,13 @@ int sweep_grid(const Options& options) {
         journal.damaged(), journal.damaged() == 1 ? "" : "s");
   }
   int signal = 0;
-  {
+  try {
     SweepProgress progress(journal, options.answer.quiet);
     signal = run_sweep(runs.work(), groups, journal,
                        {options.jobs, options.timeout_s, [&](const auto& now) { progress.show(now); }});
+  } catch (const UserError&) {  // of a run that nothing checks before its turn: bad input writes nothing
+    if (journal.rows() == 0) fs::remove(place);
+    throw;
   }
   if (signal != 0) {
     std::cerr << fmt::format(

@@ -63,7 +63,9 @@ Features features_of(const Scenario& scenario) {
 std::string lacking(Features lacking) {
   std::string words;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    if (!lacking.has(static_cast<Feature>(i))) continue;
+    const auto feature = static_cast<Feature>(i);
+    const bool said = feature == Feature::many_links && lacking.has(Feature::several_links);
+    if (!lacking.has(feature) || said) continue;
     words += (words.empty() ? "no " : ", no ") + std::string(names[i]);
   }
   return words;
