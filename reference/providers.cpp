@@ -14,10 +14,20 @@ namespace {
 constexpr Features known_of_chains{Feature::several_links, Feature::many_links, Feature::wall,
                                    Feature::wall_of_several};
 
+/// Whether the mechanism is still what the view says of it.
+bool is_of(const PlanarView& view, const Mechanism& mechanism) {
+  if (view.links.size() != mechanism.bodies.size() || view.wall.has_value() == mechanism.contacts.empty()) return false;
+  for (std::size_t i = 0; i < view.links.size(); ++i) {
+    if (view.links[i].mass_kg != mechanism.bodies[i].mass_kg) return false;
+  }
+  return std::ranges::all_of(mechanism.joints, [](const Joint& joint) { return joint.opening_m == Vec3{}; });
+}
+
 /// Any number of links; against a wall one box, or two balls.
 bool chain_in_plane(const Scenario& scenario) {
   if (!scenario.planar || !(features_of(scenario) - known_of_chains).empty()) return false;
   const PlanarView& view = *scenario.planar;
+  if (!is_of(view, scenario.mechanism)) return false;
   const LinkShape touches = view.links.size() == 1 ? LinkShape::box : LinkShape::sphere;
   const auto may_touch = [&](const Link& link) { return link.shape == touches; };
   return !view.wall || (view.links.size() <= 2 && std::ranges::all_of(view.links, may_touch));

@@ -101,8 +101,8 @@ using Definition = std::vector<std::pair<std::string, SettingValue>>;
 
 /// A mechanism in a start, for how long, by whom and how well.
 ///
-/// Whoever changes joint coordinates makes the mechanism anew (model/generate.hpp); bodies, joints and contacts may be
-/// changed as they are.
+/// With a planar view the mechanism is what the generator made of that view: whoever changes one makes both anew
+/// (model/generate.hpp), or there is no reference. Without one, bodies, joints and contacts may be changed as they are.
 struct Scenario {
   std::string name;                          // stem of the file; names the result folder
   std::string file;                          // where it was read, for messages

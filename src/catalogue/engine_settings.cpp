@@ -11,8 +11,9 @@ bool touching(const Scenario& scenario) { return !scenario.mechanism.contacts.em
 bool constrained(const Scenario& scenario) { return !scenario.mechanism.joints.empty() || touching(scenario); }
 bool sprung(const Scenario& scenario) { return !scenario.planar && !scenario.mechanism.joints.empty(); }
 bool bouncing(const Scenario& scenario) {
-  return std::ranges::any_of(scenario.mechanism.contacts,
-                             [&](const Contact& contact) { return scenario.ode.bounce.value_or(contact.restitution) > 0; });
+  return std::ranges::any_of(scenario.mechanism.contacts, [&](const Contact& contact) {
+    return scenario.ode.bounce.value_or(contact.restitution) > 0;
+  });
 }
 bool rubbing(const Scenario& scenario) {
   return std::ranges::any_of(scenario.mechanism.contacts,
@@ -32,7 +33,7 @@ constexpr std::array of_quickstep{
     EngineSetting{"ode.gyroscopic", anywhere, ""}};
 constexpr std::size_t only_quickstep = 3;
 constexpr std::array of_accurate_step{on_contacts("ode.bounce")};
-constexpr EngineSetting on_spring(std::string_view key) { return {key, sprung, "joints or contacts"}; }
+constexpr EngineSetting on_spring(std::string_view key) { return {key, sprung, "joints of bodies in space"}; }
 constexpr std::array of_closed_form{on_spring("ode.erp"), on_spring("ode.cfm"), on_spring("ode.kp"),
                                     on_spring("ode.kd")};
 constexpr std::array of_feedback{EngineSetting{"maximal.ks", anywhere, ""}, EngineSetting{"maximal.kd", anywhere, ""}};

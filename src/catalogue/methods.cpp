@@ -54,18 +54,11 @@ constexpr Features closed_form{
     Feature::wall,           Feature::space, Feature::ground, Feature::friction, Feature::constant_friction,
     Feature::joints_in_space};
 
-std::vector<Method> make_table() {
+std::vector<Method> engines_of_ode() {
   const std::span<const EngineSetting> step = step_settings();
   const std::span<const EngineSetting> quickstep = quickstep_settings();
-  const std::span<const EngineSetting> tolerances = tolerance_settings();
-  const auto tight = reference::tight_tolerances;
-  const double rtol = reference::ode45_rtol;
-  const double atol = reference::ode45_atol;
   const std::string_view single = without_single_precision;
   const std::string_view bodies = "ODE bodies and joints";
-  const std::string_view lagrangian = "closed-form Lagrangian";
-  const std::string_view multipliers = "Newton-Euler with Lagrange multipliers";
-  const std::string_view ode45 = "Dormand-Prince 5(4) as MATLAB's ode45";
   return {
       {"ode-step-double", bodies, "dWorldStep, double precision", 1, 0, 0, all_of_ode, step_double, step,
        hinge_rows_cfm},
@@ -77,6 +70,19 @@ std::vector<Method> make_table() {
        quickstep, hinge_rows_cfm, single},
       {"ode-rk4-double", bodies, "odeval's Runge-Kutta step beside ODE's collision detection", 4, 0, 0, accurate,
        make_accurate, accurate_step_settings(), hinge_rows},
+  };
+}
+
+std::vector<Method> methods_of_the_reference() {
+  const std::span<const EngineSetting> step = step_settings();
+  const std::span<const EngineSetting> tolerances = tolerance_settings();
+  const auto tight = reference::tight_tolerances;
+  const double rtol = reference::ode45_rtol;
+  const double atol = reference::ode45_atol;
+  const std::string_view lagrangian = "closed-form Lagrangian";
+  const std::string_view multipliers = "Newton-Euler with Lagrange multipliers";
+  const std::string_view ode45 = "Dormand-Prince 5(4) as MATLAB's ode45";
+  return {
       {reference_method, lagrangian, "SUNDIALS CVODE, Adams: the reference", 0, tight.rtol, tight.atol,
        any_planar | Features{Feature::space}, reference::make_cvode, tolerances, mass_matrix},
       {"lagrange-quad",
@@ -132,6 +138,13 @@ std::vector<Method> make_table() {
       {"analytic", "closed form", "elliptic functions and the like", 0, 0, 0, closed_form, reference::make_analytic,
        closed_form_settings(), mass_matrix},
   };
+}
+
+/// In the order of every list.
+std::vector<Method> make_table() {
+  std::vector<Method> table = engines_of_ode();
+  std::ranges::move(methods_of_the_reference(), std::back_inserter(table));
+  return table;
 }
 
 }  // namespace

@@ -104,6 +104,17 @@ Run run_of(const SetUp& set_up, Evaluator& evaluator, double cfm) {
   return {true, "", metrics[quantity::max_error_q].value_or(NAN), metrics[quantity::max_gap].value_or(NAN)};
 }
 
+std::vector<Cell> row_of(const SetUp& set_up, double cfm, double condition, const Run& run) {
+  const Missing given_up{"ODE gave up"};
+  std::vector<Cell> row{std::string(set_up.label), cfm};
+  row.push_back(std::isfinite(condition) ? Cell(condition) : Cell(Missing{"singular to rounding"}));
+  row.emplace_back(digits_left(condition));
+  row.push_back(run.finished ? Cell(run.error) : Cell(given_up));
+  row.push_back(run.finished ? Cell(run.gap) : Cell(given_up));
+  row.emplace_back(run.finished ? std::string("done") : run.how);
+  return row;
+}
+
 }  // namespace
 
 Content conditioning(Laboratory& laboratory, Findings& findings) {
@@ -125,14 +136,7 @@ Content conditioning(Laboratory& laboratory, Findings& findings) {
     for (const double cfm : shown_cfms) {
       const double condition = spectrum(set_up, cfm).condition();
       const Run run = run_of(set_up, evaluator, cfm);
-      const Missing given_up{"ODE gave up"};
-      std::vector<Cell> row{std::string(set_up.label), cfm};
-      row.push_back(std::isfinite(condition) ? Cell(condition) : Cell(Missing{"singular to rounding"}));
-      row.emplace_back(digits_left(condition));
-      row.push_back(run.finished ? Cell(run.error) : Cell(given_up));
-      row.push_back(run.finished ? Cell(run.gap) : Cell(given_up));
-      row.emplace_back(run.finished ? std::string("done") : run.how);
-      table.rows.push_back(std::move(row));
+      table.rows.push_back(row_of(set_up, cfm, condition, run));
       if (&set_up == &redundant && cfm == 0) without = run.finished ? "it goes on by luck" : run.how;
       if (cfm == file.ode.cfm && &set_up == &single) {
         error_single = run.error;

@@ -39,15 +39,19 @@ Turning turning(const Body& what, const BodyState& body) {
 }
 
 /// How far a shape reaches from its centre along a direction.
-double reach(const Shape& shape, const BodyState& body, const Vec3& normal) {
-  const Vec3 sides = sides_m(shape);
-  if (is_sphere(shape)) return sides[0] / 2;
-  double reach = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    reach += sides[axis] / 2 * std::fabs(dot(axis_of(body.rotation, axis), normal));
+struct Reach {
+  const BodyState& body;
+  const Vec3& normal;
+
+  double operator()(const Sphere& ball) const { return ball.diameter_m / 2; }
+  double operator()(const Box& box) const {
+    double reach = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      reach += box.sides_m[axis] / 2 * std::fabs(dot(axis_of(body.rotation, axis), normal));
+    }
+    return reach;
   }
-  return reach;
-}
+};
 
 /// The first plane that something stands on; null: none.
 const HalfSpace* ground_of(const Mechanism& mechanism) {
@@ -138,7 +142,8 @@ class BodyReader {
     trace_.long_axis_spin[i][k] = spin_along(body, what.long_axis());
     if (ground_ != nullptr) {
       const double height = dot(ground_->normal, body.position) - ground_->offset_m;
-      trace_.penetration[k] = std::fmax(trace_.penetration[k], reach(what.shape, body, ground_->normal) - height);
+      trace_.penetration[k] =
+          std::fmax(trace_.penetration[k], std::visit(Reach{body, ground_->normal}, what.shape) - height);
     }
     store_body(trace_.bodies[i], k, body, force_of_(i, sample.joints));
   }

@@ -30,9 +30,17 @@ Vec3 rotation_vector(const Attitude& attitude) {
 }
 
 Vec3 Body::uniform_moments_kgm2() const {
-  const auto [x, y, z] = sides_m(shape);
-  if (is_sphere(shape)) return {mass_kg * x * x / 10, mass_kg * y * y / 10, mass_kg * z * z / 10};
-  return {mass_kg * (y * y + z * z) / 12, mass_kg * (z * z + x * x) / 12, mass_kg * (x * x + y * y) / 12};
+  const double m = mass_kg;
+  return std::visit(
+      Overloaded{[m](const Box& box) {
+                   const auto& [x, y, z] = box.sides_m;
+                   return Vec3{m * (y * y + z * z) / 12, m * (z * z + x * x) / 12, m * (x * x + y * y) / 12};
+                 },
+                 [m](const Sphere& ball) {
+                   const double moment = m * ball.diameter_m * ball.diameter_m / 10;
+                   return Vec3{moment, moment, moment};
+                 }},
+      shape);
 }
 
 std::size_t Body::long_axis() const {

@@ -289,9 +289,33 @@ void joined_bodies_do_not_touch(const Stepper& stepper) {
   CHECK_EQUAL(moved(scenario, stepper.method)[5].contacts, 0.0);
 }
 
+// A plane away from the origin: a ball that falls on it turns round where it lies, as far as a step goes; what stands
+// on the plane touches nothing.
+void a_raised_plane_is_where_it_says() {
+  Scenario scenario = weightless(100);
+  scenario.mechanism.bodies = {
+      {.shape = Sphere{0.2}, .mass_kg = 1, .position_m = {0, 0, 0.85}, .velocity_m_s = {0, 0, -1}, .name = "ball"}};
+  scenario.mechanism.obstacles = {{HalfSpace{{0, 0, 1}, 0.7}, "ground"}, {FixedBox{{5, 0, 1}, {1, 1, 1}}, "box"}};
+  scenario.mechanism.contacts = {{.restitution = 1}};
+  scenario.impact_views = {{.normal = {0, 0, 1}}};
+  const catalogue::Method& row = catalogue::find_method("ode-step-double");
+  const test::Recorded run = test::recorded(row.make, scenario, sample_grid(scenario));
+  double lowest = 1;
+  for (std::size_t k = 0; k < run.motion.size(); ++k) lowest = std::min(lowest, run.motion[k].bodies[0].position[2]);
+  CHECK_BETWEEN(lowest, 0.8 - 1.001 * step_s, 0.8);
+  CHECK_EQUAL(run.outcome.impacts.size(), std::size_t{1});
+  CHECK_NEAR(run.outcome.impacts.at(0).t, 0.05, 1.5 * step_s);
+  double contacts = 0;
+  for (std::size_t k = 0; k < run.motion.size(); ++k) contacts += run.motion[k].contacts;
+  CHECK_BETWEEN(contacts, 1, 3);  // the ball's alone
+  const Trace trace = body_trace(scenario, sample_grid(scenario), run.motion);
+  CHECK_BETWEEN(*std::ranges::max_element(trace.penetration), 0, 1.001 * step_s);
+}
+
 }  // namespace
 
 int main() {
+  a_raised_plane_is_where_it_says();
   for (const Stepper& stepper : steppers) {
     if (!test::in_this_build(stepper.method)) continue;
     std::printf("%s\n", stepper.method);

@@ -190,6 +190,19 @@ void a_wall_stands_at_its_face() {
   CHECK(mechanism.obstacles.empty() && mechanism.contacts.empty() && scenario.impact_views.empty());
 }
 
+void a_slope_turns_its_impacts_as_well() {
+  Description said;
+  said.problem = &test::problem("bouncing_ball");
+  said.bodies = {{.sphere = true, .mass_kg = 1, .size_m = {0.1, 0.1, 0.1}, .position_m = {0, 0, 1}}};
+  said.ground = GroundTable{};
+  Scenario scenario;
+  put_bodies(scenario, said);
+  set_slope(scenario, 0.3);
+  const Vec3 normal = std::get<HalfSpace>(scenario.mechanism.obstacles[0].shape).normal;
+  CHECK_NEAR(normal[0], std::sin(0.3), 1e-16);
+  CHECK(scenario.impact_views[0].normal == normal);
+}
+
 // Features ---------------------------------------------------------------------------------------------------------
 
 /// Written again: a new feature does not compile without its words here.
@@ -286,6 +299,7 @@ void mechanisms_ask_for_what_they_hold() {
 }  // namespace
 
 int main() {
+  a_slope_turns_its_impacts_as_well();
   a_body_has_the_force_of_its_carrier();
   a_contact_is_between_whom_it_names();
   attitudes_are_rotation_vectors();

@@ -1,6 +1,9 @@
 #include "engines/ode/build_mechanism.hpp"
 
 #include <cmath>
+#include <numbers>
+
+#include "engines/ode/library.hpp"
 
 namespace odeval::engine_ode {
 namespace {
@@ -91,13 +94,21 @@ struct Drive {
   dJointID joint;
   const Joint& what;
 
-  void operator()(const BallJoint&) const {}
+  void operator()(const BallJoint&) const {
+    if (what.motor || what.stop) throw Fault("a ball joint has no axis for a motor or a stop");
+  }
   void operator()(const HingeJoint&) const {
     if (what.motor) {
       dJointSetHingeParam(joint, dParamVel, real(what.motor->speed_rad_s));
       dJointSetHingeParam(joint, dParamFMax, real(what.motor->most_torque_Nm));
     }
     if (what.stop) {
+      // ODE counts a hinge's angle within half a turn, and ignores ends that are not.
+      const double half_turn = std::numbers::pi;
+      if (!(what.stop->low_rad <= 0 && what.stop->low_rad > -half_turn && what.stop->high_rad >= 0 &&
+            what.stop->high_rad < half_turn)) {
+        throw Fault("a stop of a hinge must have its ends on either side of 0, within half a turn");
+      }
       dJointSetHingeParam(joint, dParamLoStop, real(what.stop->low_rad));
       dJointSetHingeParam(joint, dParamHiStop, real(what.stop->high_rad));
       dJointSetHingeParam(joint, dParamBounce, real(what.stop->restitution));

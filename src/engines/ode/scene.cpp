@@ -158,6 +158,7 @@ void Scene::near_callback(void* data, dGeomID first, dGeomID second) {
   auto& scene = *static_cast<Scene*>(data);
   const dBodyID body1 = dGeomGetBody(first);
   const dBodyID body2 = dGeomGetBody(second);
+  if (body1 == nullptr && body2 == nullptr) return;  // two obstacles
   if (body1 != nullptr && body2 != nullptr && dAreConnectedExcluding(body1, body2, dJointTypeContact) != 0) return;
   const Surface* const surface = scene.surface_between(first, second);
   if (surface == nullptr) return;

@@ -50,8 +50,6 @@ double deepest_of(const std::vector<Contact>& contacts) {
 void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
   const std::vector<Contact> rested = resting_;
   const int crowded = crowded_;
-  std::size_t struck = 0;
-  int splits = 0;
   touches_.clear();
   stopped_.clear();
   struck_.clear();
@@ -60,52 +58,7 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
   here_ = state;
   try {
     if (fresh) settle(here_, options_.start_gap);
-    double t = 0;
-    for (int impacts = 1;; ++impacts) {
-      move(t, h - t, there_);
-      if (!collider_.works(motion_.mechanism())) break;
-      look(there_);
-      if (deepest(there_) == nullptr) {
-        const std::vector<Contact> resting = resting_;
-        hold(there_, h - t);
-        // What slid and sticks is taken to the moment at which it does: first almost, then what is left of its speed is
-        // so little that it is taken exactly.
-        if (sticks_at_ < 1 && splits++ < most_splits) {
-          const double part = (splits % 2 == 1 ? almost : 1) * sticks_at_ * (h - t);
-          resting_ = resting;
-          move(t, part, there_);
-          look(there_);
-          hold(there_, part);
-          t += part;
-          std::swap(here_, there_);
-          continue;
-        }
-        break;
-      }
-      if (crowded_ > 0) {
-        settle_crowd(there_, h - t);
-        break;
-      }
-      // What rests has been let go for the step, and what it carries with it: is there still a touch once it is held?
-      if (!resting_.empty()) {
-        const State let_go = there_;
-        const std::vector<Contact> resting = resting_;
-        const bool touched = hold(there_, h - t);
-        if (!touched) break;
-        there_ = let_go;
-        resting_ = resting;
-        look(there_);
-      }
-      const double passed = locate(t, h - t);
-      t += passed;
-      struck += contacts_.size() + here_.size();
-      if (struck > crowd) crowded_ = calm_steps;
-      impact(t, passed <= 0, impacts >= options_.most_impacts);
-      if (t < h) continue;
-      there_ = here_;
-      hold(there_, 0);
-      break;
-    }
+    fly(h);
     if (!finite(there_)) refuse("the motion left the finite numbers; take a smaller step");
   } catch (...) {
     resting_ = rested;
@@ -115,6 +68,58 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
   }
   if (crowded_ > 0) ++crowded_steps_;
   std::swap(state, there_);
+}
+
+/// From `here_` to the end of the step, in `there_`: touch by touch, and slip by slip.
+void Flight::fly(double h) {
+  std::size_t struck = 0;
+  int splits = 0;
+  double t = 0;
+  for (int impacts = 1;; ++impacts) {
+    move(t, h - t, there_);
+    if (!collider_.works(motion_.mechanism())) break;
+    look(there_);
+    if (deepest(there_) == nullptr) {
+      const std::vector<Contact> resting = resting_;
+      hold(there_, h - t);
+      // What slid and sticks is taken to the moment at which it does: first almost, then what is left of its speed is
+      // so little that it is taken exactly.
+      if (sticks_at_ < 1 && splits++ < most_splits) {
+        const double part = (splits % 2 == 1 ? almost : 1) * sticks_at_ * (h - t);
+        resting_ = resting;
+        move(t, part, there_);
+        look(there_);
+        hold(there_, part);
+        t += part;
+        std::swap(here_, there_);
+        continue;
+      }
+      break;
+    }
+    if (crowded_ > 0) {
+      settle_crowd(there_, h - t);
+      break;
+    }
+    // What rests has been let go for the step, and what it carries with it: is there still a touch once it is held?
+    if (!resting_.empty()) {
+      const State let_go = there_;
+      const std::vector<Contact> resting = resting_;
+      const bool touched = hold(there_, h - t);
+      if (!touched) break;
+      there_ = let_go;
+      resting_ = resting;
+      look(there_);
+    }
+    const double passed = locate(t, h - t);
+    t += passed;
+    struck += contacts_.size() + here_.size();
+    if (struck > crowd) crowded_ = calm_steps;
+    impact(t, passed <= 0, impacts >= options_.most_impacts);
+    if (t < h) continue;
+    there_ = here_;
+    hold(there_, 0);
+    break;
+  }
 }
 
 /// From `here_`, which is `after` seconds into the step.

@@ -30,6 +30,7 @@ class Flight {
   }
 
  private:
+  void fly(double h);
   void move(double after, double h, State& to);
   void move_by_motors(double after, double h, State& to);
   void go(State& from, double after, double h, State& to);

@@ -83,6 +83,18 @@ Impact::Impact(Motion& motion, std::span<const Contact> contacts, const State& s
       arms_.push_back(body == world_body ? Vector3d::Zero() : Vector3d(contact.point - state[body].pose.position));
     }
   }
+  find_response(state.size());
+  // What joints hold, an impulse moves by rounding only.
+  for (Eigen::Index i = 0; i < count; ++i) {
+    if (response_(i, i) > held * free_response(rows_[index(i)])) continue;
+    response_.row(i).setZero();
+    response_.col(i).setZero();
+  }
+}
+
+/// How the contacts' speeds answer to an impulse at each.
+void Impact::find_response(std::size_t bodies) {
+  const auto count = static_cast<Eigen::Index>(rows_.size());
   response_ = Eigen::MatrixXd::Zero(count, count);
   const auto speed = [this](Eigen::Index i) {
     const Contact& contact = rows_[index(i)];
@@ -92,7 +104,7 @@ Impact::Impact(Motion& motion, std::span<const Contact> contacts, const State& s
     return sum;
   };
   // Without joints an impulse moves its own two bodies only.
-  std::vector<std::vector<Eigen::Index>> of_body(state.size());
+  std::vector<std::vector<Eigen::Index>> of_body(bodies);
   for (Eigen::Index i = 0; i < count; ++i) {
     for (const std::size_t body : {rows_[index(i)].a, rows_[index(i)].b}) {
       if (body != world_body) of_body[body].push_back(i);
@@ -118,12 +130,6 @@ Impact::Impact(Motion& motion, std::span<const Contact> contacts, const State& s
       if (body == world_body) continue;
       for (const Eigen::Index i : of_body[body]) response_(i, j) = speed(i);
     }
-  }
-  // What joints hold, an impulse moves by rounding only.
-  for (Eigen::Index i = 0; i < count; ++i) {
-    if (response_(i, i) > held * free_response(rows_[index(i)])) continue;
-    response_.row(i).setZero();
-    response_.col(i).setZero();
   }
 }
 

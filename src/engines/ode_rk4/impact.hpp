@@ -54,6 +54,7 @@ class Impact {
   double free_response(const Contact& contact) const;
   Eigen::VectorXd speeds(const State& state) const;
   void strike_by(const Eigen::VectorXd& impulses, State& state) const;
+  void find_response(std::size_t bodies);
   void respond(const Eigen::VectorXd& sizes) const;  // into change_
 
   Eigen::VectorXd rub(const Eigen::VectorXd& speeds, const Eigen::VectorXd& normal, Eigen::VectorXd from) const;

@@ -346,88 +346,112 @@ double motor_speed(const Joint& joint, const MotorLine& line, bool slides, const
   return of(joint.a, line.on_a) - of(joint.b, line.on_b);
 }
 
-void constrain(const Joint& joint, const State& state, std::span<const Matrix3d> turns, JointRows& rows) {
-  const bool to_world = joint.b == world_body;
-  const BodyNow& a = state[joint.a];
-  const Matrix3d& turn_a = turns[joint.a];
-  const Vector3d zero = Vector3d::Zero();
-  const Matrix3d identity = Matrix3d::Identity();
-  const Matrix3d& turn_b = to_world ? identity : turns[joint.b];
-  const Vector3d& x_b = to_world ? zero : state[joint.b].pose.position;
-  const Vector3d& v_b = to_world ? zero : state[joint.b].twist.linear;
-  const Vector3d& w_b = to_world ? zero : state[joint.b].twist.angular;
-  const Vector3d& x_a = a.pose.position;
-  const Vector3d& v_a = a.twist.linear;
-  const Vector3d& w_a = a.twist.angular;
+namespace {
 
+/// Where a joint's two bodies are, and how they move; the world stands still at the origin.
+struct Pair {
+  Matrix3d turn_a, turn_b;
+  Vector3d x_a, x_b, v_a, v_b, w_a, w_b;
+
+  Pair(const Joint& joint, const State& state, std::span<const Matrix3d> turns)
+      : turn_a(turns[joint.a]),
+        turn_b(Matrix3d::Identity()),
+        x_a(state[joint.a].pose.position),
+        x_b(Vector3d::Zero()),
+        v_a(state[joint.a].twist.linear),
+        v_b(Vector3d::Zero()),
+        w_a(state[joint.a].twist.angular),
+        w_b(Vector3d::Zero()) {
+    if (joint.b == world_body) return;
+    turn_b = turns[joint.b];
+    x_b = state[joint.b].pose.position;
+    v_b = state[joint.b].twist.linear;
+    w_b = state[joint.b].twist.angular;
+  }
+};
+
+Matrix3d cross_matrix(const Vector3d& v) {
+  Matrix3d m;
+  m << 0, -v[2], v[1], v[2], 0, -v[0], -v[1], v[0], 0;
+  return m;
+}
+
+void constrain(const Point& point, const Pair& now, Eigen::Index k, JointRows& rows) {
+  const Vector3d r_a = now.turn_a * point.on_a;
+  const Vector3d r_b = now.turn_b * point.on_b;
+  rows.of_a.block<3, 3>(k, 0).setIdentity();
+  rows.of_a.block<3, 3>(k, 3) = -cross_matrix(r_a);
+  rows.of_b.block<3, 3>(k, 0) = -Matrix3d::Identity();
+  rows.of_b.block<3, 3>(k, 3) = cross_matrix(r_b);
+  rows.error.segment<3>(k) = now.x_a + r_a - now.x_b - r_b;
+  rows.bias.segment<3>(k) = now.w_a.cross(now.w_a.cross(r_a)) - now.w_b.cross(now.w_b.cross(r_b));
+}
+
+void constrain(const Square& square, const Pair& now, Eigen::Index k, JointRows& rows) {
+  const Vector3d p = now.turn_a * square.p;
+  const Vector3d n = now.turn_b * square.n;
+  const Vector3d row = p.cross(n);
+  const Vector3d row_rate = now.w_a.cross(p).cross(n) + p.cross(now.w_b.cross(n));
+  rows.of_a.block<1, 3>(k, 3) = row.transpose();
+  rows.of_b.block<1, 3>(k, 3) = -row.transpose();
+  rows.error[k] = p.dot(n);
+  rows.bias[k] = row_rate.dot(now.w_a - now.w_b);
+}
+
+void constrain(const Slide& slide, const Pair& now, Eigen::Index k, JointRows& rows) {
+  const auto& [turn_a, turn_b, x_a, x_b, v_a, v_b, w_a, w_b] = now;
+  const Vector3d p = turn_a * slide.p;
+  const Vector3d r_a = turn_a * slide.on_a;
+  const Vector3d r_b = turn_b * slide.on_b;
+  const Vector3d apart = x_b + r_b - x_a - r_a;
+  const Vector3d apart_rate = v_b + w_b.cross(r_b) - v_a - w_a.cross(r_a);
+  rows.of_a.block<1, 3>(k, 0) = -p.transpose();
+  rows.of_a.block<1, 3>(k, 3) = (p.cross(apart) - r_a.cross(p)).transpose();
+  rows.of_b.block<1, 3>(k, 0) = p.transpose();
+  rows.of_b.block<1, 3>(k, 3) = r_b.cross(p).transpose();
+  rows.error[k] = p.dot(apart);
+  rows.bias[k] = w_a.cross(w_a.cross(p)).dot(apart) + 2 * w_a.cross(p).dot(apart_rate) +
+                 p.dot(w_b.cross(w_b.cross(r_b)) - w_a.cross(w_a.cross(r_a)));
+}
+
+/// Of a motor that holds its velocity; another one's row says nothing.
+void constrain(const Motor& motor, const MotorLine& line, const Pair& now, Eigen::Index k, JointRows& rows) {
+  const Vector3d& n = line.axis;
+  const Vector3d carried = motor.carrier == Motor::Carrier::a   ? now.w_a
+                           : motor.carrier == Motor::Carrier::b ? now.w_b
+                                                                : Vector3d(Vector3d::Zero());
+  const Vector3d turning = carried.cross(n);
+  if (!motor.slides) {
+    rows.of_a.block<1, 3>(k, 3) = n.transpose();
+    rows.of_b.block<1, 3>(k, 3) = -n.transpose();
+    rows.bias[k] = turning.dot(now.w_a - now.w_b);
+    return;
+  }
+  // The point of a that is at b's centre now moves through a.
+  const Vector3d apart = now.v_a + now.w_a.cross(line.on_a) - now.v_b;
+  const Vector3d arm_rate = line.on_a.isZero(0) ? Vector3d(Vector3d::Zero()) : Vector3d(now.v_b - now.v_a);
+  rows.of_a.block<1, 3>(k, 0) = n.transpose();
+  rows.of_b.block<1, 3>(k, 0) = -n.transpose();
+  rows.of_a.block<1, 3>(k, 3) = line.on_a.cross(n).transpose();
+  rows.bias[k] = turning.dot(apart) + n.dot(now.w_a.cross(arm_rate));
+}
+
+}  // namespace
+
+void constrain(const Joint& joint, const State& state, std::span<const Matrix3d> turns, JointRows& rows) {
+  const Pair now(joint, state, turns);
   Eigen::Index k = 0;
-  const auto cross_matrix = [](const Vector3d& v) {
-    Matrix3d m;
-    m << 0, -v[2], v[1], v[2], 0, -v[0], -v[1], v[0], 0;
-    return m;
-  };
   for (const Point& point : joint.points) {
-    const Vector3d r_a = turn_a * point.on_a;
-    const Vector3d r_b = turn_b * point.on_b;
-    rows.of_a.block<3, 3>(k, 0).setIdentity();
-    rows.of_a.block<3, 3>(k, 3) = -cross_matrix(r_a);
-    rows.of_b.block<3, 3>(k, 0) = -identity;
-    rows.of_b.block<3, 3>(k, 3) = cross_matrix(r_b);
-    rows.error.segment<3>(k) = x_a + r_a - x_b - r_b;
-    rows.bias.segment<3>(k) = w_a.cross(w_a.cross(r_a)) - w_b.cross(w_b.cross(r_b));
+    constrain(point, now, k, rows);
     k += 3;
   }
-  for (const Square& square : joint.squares) {
-    const Vector3d p = turn_a * square.p;
-    const Vector3d n = turn_b * square.n;
-    const Vector3d row = p.cross(n);
-    const Vector3d row_rate = w_a.cross(p).cross(n) + p.cross(w_b.cross(n));
-    rows.of_a.block<1, 3>(k, 3) = row.transpose();
-    rows.of_b.block<1, 3>(k, 3) = -row.transpose();
-    rows.error[k] = p.dot(n);
-    rows.bias[k] = row_rate.dot(w_a - w_b);
-    ++k;
-  }
-  for (const Slide& slide : joint.slides) {
-    const Vector3d p = turn_a * slide.p;
-    const Vector3d r_a = turn_a * slide.on_a;
-    const Vector3d r_b = turn_b * slide.on_b;
-    const Vector3d apart = x_b + r_b - x_a - r_a;
-    const Vector3d apart_rate = v_b + w_b.cross(r_b) - v_a - w_a.cross(r_a);
-    rows.of_a.block<1, 3>(k, 0) = -p.transpose();
-    rows.of_a.block<1, 3>(k, 3) = (p.cross(apart) - r_a.cross(p)).transpose();
-    rows.of_b.block<1, 3>(k, 0) = p.transpose();
-    rows.of_b.block<1, 3>(k, 3) = r_b.cross(p).transpose();
-    rows.error[k] = p.dot(apart);
-    rows.bias[k] = w_a.cross(w_a.cross(p)).dot(apart) + 2 * w_a.cross(p).dot(apart_rate) +
-                   p.dot(w_b.cross(w_b.cross(r_b)) - w_a.cross(w_a.cross(r_a)));
-    ++k;
-  }
+  for (const Square& square : joint.squares) constrain(square, now, k++, rows);
+  for (const Slide& slide : joint.slides) constrain(slide, now, k++, rows);
   for (const Motor& motor : joint.motors) {
     rows.of_a.row(k).setZero();
     rows.of_b.row(k).setZero();
     rows.bias[k] = 0;
-    if (motor.drive == Drive::holds) {
-      const MotorLine line = line_of(joint, motor, state, turns);
-      const Vector3d& n = line.axis;
-      const Vector3d carried = motor.carrier == Motor::Carrier::a   ? w_a
-                               : motor.carrier == Motor::Carrier::b ? w_b
-                                                                    : zero;
-      const Vector3d turning = carried.cross(n);
-      if (motor.slides) {
-        // The point of a that is at b's centre now moves through a.
-        const Vector3d apart = v_a + w_a.cross(line.on_a) - v_b;
-        const Vector3d arm_rate = line.on_a.isZero(0) ? zero : Vector3d(v_b - v_a);
-        rows.of_a.block<1, 3>(k, 0) = n.transpose();
-        rows.of_b.block<1, 3>(k, 0) = -n.transpose();
-        rows.of_a.block<1, 3>(k, 3) = line.on_a.cross(n).transpose();
-        rows.bias[k] = turning.dot(apart) + n.dot(w_a.cross(arm_rate));
-      } else {
-        rows.of_a.block<1, 3>(k, 3) = n.transpose();
-        rows.of_b.block<1, 3>(k, 3) = -n.transpose();
-        rows.bias[k] = turning.dot(w_a - w_b);
-      }
-    }
+    if (motor.drive == Drive::holds) constrain(motor, line_of(joint, motor, state, turns), now, k, rows);
     ++k;
   }
 }
