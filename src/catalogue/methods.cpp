@@ -73,14 +73,12 @@ std::vector<Method> engines_of_ode() {
   };
 }
 
-std::vector<Method> methods_of_the_reference() {
-  const std::span<const EngineSetting> step = step_settings();
+std::vector<Method> methods_in_joint_coordinates() {
   const std::span<const EngineSetting> tolerances = tolerance_settings();
   const auto tight = reference::tight_tolerances;
   const double rtol = reference::ode45_rtol;
   const double atol = reference::ode45_atol;
   const std::string_view lagrangian = "closed-form Lagrangian";
-  const std::string_view multipliers = "Newton-Euler with Lagrange multipliers";
   const std::string_view ode45 = "Dormand-Prince 5(4) as MATLAB's ode45";
   return {
       {reference_method, lagrangian, "SUNDIALS CVODE, Adams: the reference", 0, tight.rtol, tight.atol,
@@ -129,12 +127,18 @@ std::vector<Method> methods_of_the_reference() {
        reference::make_symplectic_euler,
        {},
        mass_matrix},
+  };
+}
+
+std::vector<Method> methods_of_bodies() {
+  const std::string_view multipliers = "Newton-Euler with Lagrange multipliers";
+  return {
       {"maximal-euler", multipliers, "explicit Euler, fixed step", 1, 0, 0, two_links, reference::make_maximal_euler,
        feedback_settings(), planar_joints},
       {"maximal-rk4", multipliers, "classical Runge-Kutta, fixed step", 4, 0, 0, two_links, reference::make_maximal_rk4,
        feedback_settings(), planar_joints},
       {"maximal-ode-step", "one dWorldStep rebuilt", "ODE's own scheme, fixed step", 1, 0, 0, chain_or_one_at_wall,
-       reference::make_maximal_ode_step, step, hinge_rows_cfm},
+       reference::make_maximal_ode_step, step_settings(), hinge_rows_cfm},
       {"analytic", "closed form", "elliptic functions and the like", 0, 0, 0, closed_form, reference::make_analytic,
        closed_form_settings(), mass_matrix},
   };
@@ -143,7 +147,8 @@ std::vector<Method> methods_of_the_reference() {
 /// In the order of every list.
 std::vector<Method> make_table() {
   std::vector<Method> table = engines_of_ode();
-  std::ranges::move(methods_of_the_reference(), std::back_inserter(table));
+  std::ranges::move(methods_in_joint_coordinates(), std::back_inserter(table));
+  std::ranges::move(methods_of_bodies(), std::back_inserter(table));
   return table;
 }
 
