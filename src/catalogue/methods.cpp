@@ -75,6 +75,7 @@ std::vector<Method> engines_of_ode() {
 
 std::vector<Method> methods_in_joint_coordinates() {
   const std::span<const EngineSetting> tolerances = tolerance_settings();
+  const std::span<const EngineSetting> none;
   const auto tight = reference::tight_tolerances;
   const double rtol = reference::ode45_rtol;
   const double atol = reference::ode45_atol;
@@ -83,50 +84,18 @@ std::vector<Method> methods_in_joint_coordinates() {
   return {
       {reference_method, lagrangian, "SUNDIALS CVODE, Adams: the reference", 0, tight.rtol, tight.atol,
        any_planar | Features{Feature::space}, reference::make_cvode, tolerances, mass_matrix},
-      {"lagrange-quad",
-       lagrangian,
-       "extrapolation in quad precision: certifies the reference",
-       0,
-       0,
-       0,
-       two_links,
-       reference::make_quad,
-       {},
-       mass_matrix},
+      {"lagrange-quad", lagrangian, "extrapolation in quad precision: certifies the reference", 0, 0, 0, two_links,
+       reference::make_quad, none, mass_matrix},
       {"lagrange-ode45", lagrangian, ode45, 0, rtol, atol, chain_or_one_at_wall, reference::make_ode45, tolerances,
        mass_matrix},
       {"dh-ode45", "recursive Newton-Euler from DH parameters", ode45, 0, rtol, atol, any_chain,
        reference::make_dh_ode45, tolerances, mass_matrix},
-      {"lagrange-rk4",
-       lagrangian,
-       "classical Runge-Kutta, fixed step",
-       4,
-       0,
-       0,
-       chain_or_one_at_wall,
-       reference::make_rk4,
-       {},
-       mass_matrix},
-      {"lagrange-euler",
-       lagrangian,
-       "explicit Euler, fixed step",
-       1,
-       0,
-       0,
-       chain_or_one_at_wall,
-       reference::make_euler,
-       {},
-       mass_matrix},
-      {"lagrange-symplectic-euler",
-       lagrangian,
-       "symplectic Euler, fixed step",
-       1,
-       0,
-       0,
-       chain_or_one_at_wall,
-       reference::make_symplectic_euler,
-       {},
-       mass_matrix},
+      {"lagrange-rk4", lagrangian, "classical Runge-Kutta, fixed step", 4, 0, 0, chain_or_one_at_wall,
+       reference::make_rk4, none, mass_matrix},
+      {"lagrange-euler", lagrangian, "explicit Euler, fixed step", 1, 0, 0, chain_or_one_at_wall, reference::make_euler,
+       none, mass_matrix},
+      {"lagrange-symplectic-euler", lagrangian, "symplectic Euler, fixed step", 1, 0, 0, chain_or_one_at_wall,
+       reference::make_symplectic_euler, none, mass_matrix},
   };
 }
 
