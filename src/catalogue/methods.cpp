@@ -144,16 +144,21 @@ bool is_engine_setting(std::string_view key) {
 }
 
 std::string readers_of(std::string_view key) {
-  std::string readers;
-  std::string_view acts_on;
+  std::vector<std::pair<std::string_view, std::string>> groups;  // what it acts on, and the methods that read it there
   for (const Method& method : methods()) {
     for (const EngineSetting& setting : method.settings) {
       if (setting.key != key) continue;
-      readers += (readers.empty() ? "" : ", ") + std::string(method.name);
-      acts_on = setting.acts_on;
+      auto group = std::ranges::find(groups, setting.acts_on, [](const auto& one) { return one.first; });
+      if (group == groups.end()) group = groups.insert(group, {setting.acts_on, ""});
+      group->second += (group->second.empty() ? "" : ", ") + std::string(method.name);
     }
   }
-  return acts_on.empty() ? readers : readers + " where there are " + std::string(acts_on);
+  std::string readers;
+  for (const auto& [acts_on, names] : groups) {
+    readers += (readers.empty() ? "" : "; ") + names;
+    if (!acts_on.empty()) readers += " where there are " + std::string(acts_on);
+  }
+  return readers;
 }
 
 std::vector<std::string> method_names() {
