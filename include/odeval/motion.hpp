@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "odeval/geometry.hpp"
+#include "odeval/mechanism.hpp"
 
 namespace odeval {
 
@@ -24,6 +24,13 @@ struct JointState {
   Vec3 force{};  // on the body that the joint carries (Joint::carried), N; an engine's is that of the step that led to
                  // the sample (of the first sample: the first step's)
 };
+
+/// The force that tables show beside a body, N: of its carrier on it, zero without one. A zero has no sign.
+inline Vec3 force_beside(const std::optional<Carrier>& carrier, std::span<const JointState> joints) {
+  if (!carrier) return {};
+  const Vec3& force = joints[carrier->joint].force;
+  return carrier->sign > 0 ? force : Vec3{} - force;
+}
 
 /// How much one sample holds. Bodies and joints, or joint coordinates: what a method does not have is 0.
 struct SampleShape {

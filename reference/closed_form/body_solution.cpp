@@ -66,7 +66,7 @@ Reference solve_body_reference(const Scenario& scenario, const SampleGrid& grid)
       store(trace.bodies[i].rotation, state.rotation);
       store(trace.bodies[i].velocity, state.velocity);
       store(trace.bodies[i].spin, state.spin);
-      store(trace.bodies[i].joint_force, carrier ? carrier->sign * sample.joints[carrier->joint].force : Vec3{});
+      store(trace.bodies[i].joint_force, force_beside(carrier, sample.joints));
       trace.long_axis_spin[i].push_back(dot(axis_of(state.rotation, mechanism.bodies[i].long_axis()), state.spin));
     }
     const BodyUncertainty uncertainty = motion->uncertainty(t);

@@ -9,7 +9,6 @@ namespace {
 bool anywhere(const Scenario&) { return true; }
 bool touching(const Scenario& scenario) { return !scenario.mechanism.contacts.empty(); }
 bool constrained(const Scenario& scenario) { return !scenario.mechanism.joints.empty() || touching(scenario); }
-bool sprung(const Scenario& scenario) { return !scenario.planar && !scenario.mechanism.joints.empty(); }
 bool bouncing(const Scenario& scenario) {
   return std::ranges::any_of(scenario.mechanism.contacts, [&](const Contact& contact) {
     return scenario.ode.bounce.value_or(contact.restitution) > 0;
@@ -33,7 +32,9 @@ constexpr std::array of_quickstep{
     EngineSetting{"ode.gyroscopic", anywhere, ""}};
 constexpr std::size_t only_quickstep = 3;
 constexpr std::array of_accurate_step{on_contacts("ode.bounce")};
-constexpr EngineSetting on_spring(std::string_view key) { return {key, sprung, "joints of bodies in space"}; }
+constexpr EngineSetting on_spring(std::string_view key) {
+  return {key, joints_are_springs, "joints of bodies in space"};
+}
 constexpr std::array of_closed_form{on_spring("ode.erp"), on_spring("ode.cfm"), on_spring("ode.kp"),
                                     on_spring("ode.kd")};
 constexpr std::array of_feedback{EngineSetting{"maximal.ks", anywhere, ""}, EngineSetting{"maximal.kd", anywhere, ""}};
@@ -45,6 +46,10 @@ std::span<const EngineSetting> step_settings() { return quickstep_settings().sub
 std::span<const EngineSetting> quickstep_settings() { return of_quickstep; }
 std::span<const EngineSetting> accurate_step_settings() { return of_accurate_step; }
 std::span<const EngineSetting> closed_form_settings() { return of_closed_form; }
+bool joints_are_springs(const Scenario& scenario) { return !scenario.planar && !scenario.mechanism.joints.empty(); }
+bool is_of_spring(std::string_view key) {
+  return std::ranges::find(of_closed_form, key, &EngineSetting::key) != of_closed_form.end();
+}
 std::span<const EngineSetting> feedback_settings() { return of_feedback; }
 std::span<const EngineSetting> tolerance_settings() { return of_tolerances; }
 

@@ -45,19 +45,21 @@ std::unique_ptr<Simulation> make_as_asked(const Method& method, const Scenario& 
   return method.make(earlier, grid);
 }
 
-std::vector<std::string> suspects;
+Suspects* keeper = nullptr;  // the one that lives
 
 }  // namespace
 
-void note_suspect(const Evaluation& run, const Scenario& scenario) {
+Suspects::Suspects() { keeper = this; }
+Suspects::~Suspects() { keeper = nullptr; }
+
+void Suspects::note(const Evaluation& run, const Scenario& scenario) {
   const std::string why = suspicion(run.outcome);
-  if (why.empty()) return;
+  if (keeper == nullptr || why.empty()) return;
+  std::vector<std::string>& lines = keeper->lines_;
   std::string line =
       scenario.name + " in " + std::string(run.method->name) + ", h = " + number_text(scenario.step_s) + " s: " + why;
-  if (std::ranges::find(suspects, line) == suspects.end()) suspects.push_back(std::move(line));
+  if (std::ranges::find(lines, line) == lines.end()) lines.push_back(std::move(line));
 }
-
-std::vector<std::string> take_suspects() { return std::exchange(suspects, {}); }
 
 double cpu_seconds() {
   timespec now{};
@@ -99,7 +101,7 @@ Evaluation Evaluator::evaluate(const Method& method, const OdeSettings& ode) {
   compare(trace, reference());
   if (scenario_.planar) add_conditioning(trace, scenario_, method.inverts);
   Evaluation run{&method, std::move(outcome), std::move(trace), cpu_s};
-  note_suspect(run, scenario_);
+  Suspects::note(run, scenario_);
   return run;
 }
 

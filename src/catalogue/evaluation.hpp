@@ -50,12 +50,25 @@ class Evaluator {
   std::shared_ptr<const Reference> reference_;  // null: not needed yet
 };
 
-/// Keeps what ODE itself said of a run for `take_suspects`; `evaluate` has done so once.
-void note_suspect(const Evaluation& run, const Scenario& scenario);
-
-/// The runs of this process that ODE itself complained of, since the last call, each once: "SCENARIO in
+/// While one lives, it keeps the runs of this process that ODE itself complained of, each once: "SCENARIO in
 /// ode-step-double, h = 0.001 s: 736 messages of ODE (LCP internal error)".
-std::vector<std::string> take_suspects();
+///
+/// One at a time. Who runs thousands without one, as a sweep does, keeps nothing.
+class Suspects {
+ public:
+  Suspects();
+  ~Suspects();
+  Suspects(const Suspects&) = delete;
+  Suspects& operator=(const Suspects&) = delete;
+
+  const std::vector<std::string>& lines() const { return lines_; }
+
+  /// Tells the one that lives, if any. `evaluate` has done so once.
+  static void note(const Evaluation& run, const Scenario& scenario);
+
+ private:
+  std::vector<std::string> lines_;
+};
 
 /// CPU seconds this thread has used.
 double cpu_seconds();

@@ -17,12 +17,11 @@ namespace {
 
 // Keys that only say at which times the true motion is looked at.
 constexpr std::array time_keys{"step", "sample", "duration"};
-// What makes the spring that a joint of bodies is: ERP and CFM are one at each step.
-constexpr std::array spring_keys{"step", "ode.erp", "ode.cfm", "ode.kp", "ode.kd"};
 
 bool moves_the_reference(const std::string& key, const Scenario& scenario) {
   const auto is_key = [&](std::string_view other) { return other == key; };
-  if (!scenario.planar && !scenario.mechanism.joints.empty() && std::ranges::any_of(spring_keys, is_key)) return true;
+  // ERP and CFM are another spring at each step.
+  if (joints_are_springs(scenario) && (key == "step" || is_of_spring(key))) return true;
   return !is_engine_setting(key) && std::ranges::none_of(time_keys, is_key);
 }
 

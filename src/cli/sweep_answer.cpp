@@ -92,12 +92,10 @@ Scenario first_point(const Head& head) {
 /// The axes that make another motion or look at it at other times, so that errors along them cannot be compared: all
 /// but the step and the settings of engines.
 std::vector<std::size_t> group_axes(const Head& head, const Scenario& scenario) {
-  constexpr std::array springs{"ode.erp", "ode.cfm", "ode.kp", "ode.kd"};  // what a joint of bodies is
-  const bool sprung = !scenario.planar && !scenario.mechanism.joints.empty();
   std::vector<std::size_t> axes;
   for (std::size_t i = 0; i + 1 < head.axes.size(); ++i) {
     const std::string& key = head.axes[i].key;
-    const bool spring = sprung && std::ranges::find(springs, key) != springs.end();
+    const bool spring = catalogue::joints_are_springs(scenario) && catalogue::is_of_spring(key);
     if (spring || (key != "step" && !catalogue::is_engine_setting(key))) axes.push_back(i);
   }
   return axes;

@@ -70,11 +70,10 @@ std::string suspects_text(const std::vector<std::string>& suspects) {
 std::span<const Experiment> experiments() { return table; }
 
 report::Section section_of(const Experiment& experiment, Laboratory& laboratory, report::Findings& findings) {
-  catalogue::take_suspects();  // of whoever ran before
+  const catalogue::Suspects suspects;
   report::Section section =
       report::section_of(std::string(experiment.name), experiment.prose, experiment.run(laboratory, findings));
-  const std::vector<std::string> suspects = catalogue::take_suspects();
-  if (!suspects.empty()) section.blocks.emplace_back(report::Text{suspects_text(suspects)});
+  if (!suspects.lines().empty()) section.blocks.emplace_back(report::Text{suspects_text(suspects.lines())});
   return section;
 }
 

@@ -22,7 +22,7 @@ const catalogue::Evaluation* Laboratory::run(const std::string& name, std::strin
   Case& wanted = at(name);
   const auto found = wanted.runs.find(method);
   if (found != wanted.runs.end()) {
-    catalogue::note_suspect(found->second, wanted.evaluator->scenario());  // of each section that shows the run
+    catalogue::Suspects::note(found->second, wanted.evaluator->scenario());  // of each section that shows the run
     return &found->second;
   }
   return &wanted.runs.emplace(std::string(method), wanted.evaluator->evaluate(*row)).first->second;

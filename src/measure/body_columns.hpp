@@ -47,10 +47,7 @@ class ForcesOfBodies {
   }
 
   Vec3 operator()(std::size_t body, std::span<const JointState> joints) const {
-    const std::optional<Carrier>& carrier = carriers_[body];
-    if (!carrier) return {};
-    const Vec3& force = joints[carrier->joint].force;
-    return carrier->sign > 0 ? force : Vec3{} - force;  // 0 stays 0, and becomes no -0
+    return force_beside(carriers_[body], joints);
   }
 
  private:

@@ -142,8 +142,8 @@ class BodyReader {
     trace_.long_axis_spin[i][k] = spin_along(body, what.long_axis());
     if (ground_ != nullptr) {
       const double height = dot(ground_->normal, body.position) - ground_->offset_m;
-      trace_.penetration[k] =
-          std::fmax(trace_.penetration[k], std::visit(Reach{body, ground_->normal}, what.shape) - height);
+      const double overlap = std::visit(Reach{body, ground_->normal}, what.shape) - height;
+      trace_.penetration[k] = greater(trace_.penetration[k], overlap);
     }
     store_body(trace_.bodies[i], k, body, force_of_(i, sample.joints));
   }

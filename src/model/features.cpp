@@ -21,6 +21,8 @@ constexpr std::array<std::string_view, 12> names{
     "inertia tensors of their own",
 };
 
+static_assert(names.size() == static_cast<std::size_t>(Feature::inertia) + 1, "a name for each");
+
 void add_of_links(Features& asked, std::size_t links, bool touching) {
   if (links > 1) asked.add(Feature::several_links);
   if (links > 2) asked.add(Feature::many_links);

@@ -24,14 +24,6 @@ void change_planar(Scenario& scenario, Change&& change) {
   put_planar(scenario, std::move(view));
 }
 
-/// A view without a mechanism, for whoever needs joint coordinates alone.
-inline std::shared_ptr<const PlanarView> make_planar(const PlanarFrame& frame, std::vector<Link> links,
-                                                     std::vector<double> q0, std::vector<double> qd0,
-                                                     std::optional<Wall> wall = {}) {
-  return std::make_shared<const PlanarView>(
-      PlanarView{frame, std::move(links), std::move(q0), std::move(qd0), std::move(wall)});
-}
-
 /// Puts the bodies of a description into the scenario, with its ground or its joint.
 void put_bodies(Scenario& scenario, const Description& description);
 

@@ -9,6 +9,7 @@
 #include "output/file.hpp"
 #include "output/number.hpp"
 #include "tests/results.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace {
 
@@ -36,9 +37,8 @@ void visit(const json& part, const std::string& pointer, const std::function<voi
 
 /// One value of METHOD.json or one cell of the trace is another: the comparison names it.
 void comparison_tells_of_each(const Results& results) {
-  std::string folder = (std::filesystem::temp_directory_path() / "odeval-results-test-XXXXXX").string();
-  if (mkdtemp(folder.data()) == nullptr) return CHECK(false);
-  const std::filesystem::path root = folder;
+  const test::TemporaryFolder folder;
+  const std::filesystem::path& root = folder.path();
   const std::filesystem::path trace = results.scenario.name + "/m.csv", summary = results.scenario.name + "/m.json";
   for (const char* side : {"a", "b"}) {
     write_whole(root / side / trace, results.csv);
@@ -104,7 +104,6 @@ void comparison_tells_of_each(const Results& results) {
     test::report(told_of_cell(column, std::nextafter(cell, infinity)).empty() != exact, __FILE__, __LINE__,
                  name + ": by the last bit");
   }
-  std::filesystem::remove_all(root);
 }
 
 }  // namespace

@@ -22,6 +22,7 @@
 #include "run/worker.hpp"
 #include "tests/check.hpp"
 #include "tests/fault/at_hand.hpp"
+#include "tests/temporary_folder.hpp"
 
 // In the place of the C library's.
 static int syncs = 0;
@@ -478,9 +479,8 @@ void two_at_once(const fs::path& file) {
 int main() {
   ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // orphans come here, so that none is overlooked
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);  // whoever started this
-  std::string name = (fs::temp_directory_path() / "odeval-sweep-test-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) return 1;
-  const fs::path folder(name);
+  const test::TemporaryFolder own;
+  const fs::path& folder = own.path();
   const auto file = [&](const char* part) { return folder / part / "test.journal"; };
   bad_runs(folder);
   bad_preparations(file("preparations"));
@@ -497,6 +497,5 @@ int main() {
   disk_full(file("full"));
   two_at_once(file("twice"));
   parent_killed(file("parent"));
-  fs::remove_all(folder);
   return odeval::test::verdict();
 }

@@ -13,6 +13,7 @@
 #include "odeval/metrics.hpp"
 #include "report/claims.hpp"
 #include "tests/check.hpp"
+#include "tests/planar.hpp"
 #include "tests/scenarios.hpp"
 
 using namespace odeval;
@@ -265,7 +266,7 @@ void check_numbers(const Page& page) {
 // Which no band notices: exponents and ratios forgive another chain.
 void check_chain_of() {
   Scenario file = test::report_scenario("chain", 5, 1e-3);
-  file.planar = make_planar(file.planar->frame, {{3, 1, 0.1, 0.1}}, {0.5, -0.25}, {});
+  file.planar = test::make_planar(file.planar->frame, {{3, 1, 0.1, 0.1}}, {0.5, -0.25}, {});
   const Scenario chain = experiments::chain_of(file, 4, 1);
   const PlanarView& view = *chain.planar;
   CHECK_EQUAL(chain.mechanism.bodies.size(), 4u);

@@ -11,6 +11,7 @@
 #include "reference/planar/fixed_step.hpp"
 #include "reference/planar/ode45.hpp"
 #include "tests/check.hpp"
+#include "tests/planar.hpp"
 #include "tests/recorded.hpp"
 
 namespace {
@@ -23,7 +24,7 @@ Scenario posed(const char* name, const PlanarFrame& frame, std::vector<double> q
   Scenario scenario;
   scenario.name = name;
   qd0.resize(q0.size());
-  scenario.planar = make_planar(frame, {q0.size(), Link{1, 1, 0.1, 0.1}}, q0, qd0, wall);
+  scenario.planar = test::make_planar(frame, {q0.size(), Link{1, 1, 0.1, 0.1}}, q0, qd0, wall);
   return scenario;
 }
 Scenario wall_pendulum(double restitution) {

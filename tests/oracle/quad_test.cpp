@@ -11,6 +11,7 @@
 #include "reference/planar/quad.hpp"
 #include "tests/check.hpp"
 #include "tests/oracle/certified.hpp"
+#include "tests/planar.hpp"
 #include "tests/recorded.hpp"
 
 namespace {
@@ -63,7 +64,7 @@ void check_method() {
   CHECK_EQUAL(outcome.steps, run.steps);
 
   const PlanarView& view = *scenario.planar;
-  scenario.planar = make_planar(view.frame, view.links, view.q0, view.qd0, Wall{0.9, 1});
+  scenario.planar = test::make_planar(view.frame, view.links, view.q0, view.qd0, Wall{0.9, 1});
   CHECK_THROWS(make_quad(scenario, second), UserError, "lagrange-quad knows no walls");
   CHECK_THROWS(make_quad(scenario, second), UserError, "'analytic'");
 }

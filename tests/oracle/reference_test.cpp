@@ -18,6 +18,7 @@
 #include "reference/planar/quad.hpp"
 #include "reference/planar/wall_contact.hpp"
 #include "tests/check.hpp"
+#include "tests/planar.hpp"
 #include "tests/recorded.hpp"
 
 namespace {
@@ -107,7 +108,7 @@ Scenario pendulum(double gravity, double length, double q0, double qd0) {
   scenario.name = "pendulum";
   scenario.duration_s = 10;
   scenario.gravity = gravity;
-  scenario.planar = make_planar(hanging_frame, {{1, length, 0.1, 0.1}}, {q0}, {qd0});
+  scenario.planar = test::make_planar(hanging_frame, {{1, length, 0.1, 0.1}}, {q0}, {qd0});
   return scenario;
 }
 
@@ -142,7 +143,7 @@ void check_forces() {
   scenario.duration_s = 2;
   const std::vector<Link> links{{1.0, 1.0, 0.1, 0.1}, {0.5, 0.8, 0.2, 0.1}};
   const PlanarFrame& frame = hanging_frame;
-  scenario.planar = make_planar(frame, links, {0.7, -0.8}, {0.3, 1.0});
+  scenario.planar = test::make_planar(frame, links, {0.7, -0.8}, {0.3, 1.0});
   const Reference reference = solve_reference(scenario, {0.0002, 1, 10001});
   const auto momentum = [&](std::size_t k, std::size_t first, const Vec3& along) {
     double angle = 0, rate = 0, near = 0, sum = 0;
@@ -179,7 +180,7 @@ Scenario wall_pendulum(double face, double restitution, double q0 = 0, double qd
   Scenario scenario;
   scenario.name = "wall_pendulum";
   scenario.duration_s = 5;
-  scenario.planar = make_planar(lying_frame, {{1, 1, 0.1, 0.1}}, {q0}, {qd0}, Wall{face, restitution});
+  scenario.planar = test::make_planar(lying_frame, {{1, 1, 0.1, 0.1}}, {q0}, {qd0}, Wall{face, restitution});
   return scenario;
 }
 

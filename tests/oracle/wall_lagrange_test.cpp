@@ -16,6 +16,7 @@
 #include "reference/planar/wall_bounce.hpp"
 #include "reference/planar/wall_contact.hpp"
 #include "tests/check.hpp"
+#include "tests/planar.hpp"
 #include "tests/recorded.hpp"
 
 namespace {
@@ -33,7 +34,7 @@ constexpr MakeSimulation every_method[] = {reference::make_analytic, reference::
 Scenario wall_pendulum(double face, double restitution, double q0 = 0, double qd0 = 0) {
   Scenario scenario;
   scenario.name = "wall_pendulum";
-  scenario.planar = make_planar(lying_frame, {Link{1, 1, 0.1, 0.1}}, {q0}, {qd0}, Wall{face, restitution});
+  scenario.planar = test::make_planar(lying_frame, {Link{1, 1, 0.1, 0.1}}, {q0}, {qd0}, Wall{face, restitution});
   return scenario;
 }
 

@@ -12,6 +12,7 @@
 #include "reference/planar/wall_bounce.hpp"
 #include "reference/planar/wall_contact.hpp"
 #include "tests/check.hpp"
+#include "tests/planar.hpp"
 
 namespace {
 
@@ -25,14 +26,14 @@ Scenario pendulum(double gravity = 9.81) {
   Scenario scenario;
   scenario.name = "single_pendulum";
   scenario.gravity = gravity;
-  scenario.planar = make_planar(hanging_frame, {Link{1, 1, 0.1, 0.1}}, {0}, {0});
+  scenario.planar = test::make_planar(hanging_frame, {Link{1, 1, 0.1, 0.1}}, {0}, {0});
   return scenario;
 }
 
 Scenario wall_pendulum(double face, double q0 = 0, double qd0 = 0) {
   Scenario scenario = pendulum();
   scenario.name = "wall_pendulum";
-  scenario.planar = make_planar(lying_frame, {Link{1, 1, 0.1, 0.1}}, {q0}, {qd0}, Wall{face, 1});
+  scenario.planar = test::make_planar(lying_frame, {Link{1, 1, 0.1, 0.1}}, {q0}, {qd0}, Wall{face, 1});
   return scenario;
 }
 
@@ -252,7 +253,7 @@ void turns_into_the_wall() {
 void says_what_it_cannot() {
   Scenario scenario = pendulum();
   CHECK(reference::has_closed_form(*scenario.planar));
-  scenario.planar = make_planar(hanging_frame, {2, scenario.planar->links[0]}, {0, 0}, {0, 0});
+  scenario.planar = test::make_planar(hanging_frame, {2, scenario.planar->links[0]}, {0, 0}, {0, 0});
   CHECK(!reference::has_closed_form(*scenario.planar));
   CHECK_THROWS(reference::make_analytic(scenario, {1e-3, 1, 11}), UserError,
                "method 'analytic' has no closed form for 2 links; it does one link");

@@ -11,6 +11,7 @@
 
 #include "odeval/error.hpp"
 #include "tests/check.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace {
 
@@ -96,13 +97,12 @@ void a_short_write_leaves_the_old_file(const fs::path& folder) {
 }  // namespace
 
 int main() {
-  std::string name = (fs::temp_directory_path() / "odeval-file-test-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) return 1;
+  const odeval::test::TemporaryFolder folder;
+  const std::string name = folder.path().string();
   writes_and_replaces(name);
   a_link_is_followed(name);
   a_device_is_not_replaced();
   what_stands_in_the_way_is_named(name);
   a_short_write_leaves_the_old_file(name);
-  fs::remove_all(name);
   return odeval::test::verdict();
 }

@@ -7,6 +7,7 @@
 
 #include "odeval/error.hpp"
 #include "tests/check.hpp"
+#include "tests/temporary_folder.hpp"
 
 // In the place of the C library's: how often the journal was brought to the disk, and whether that went well.
 static int syncs = 0;
@@ -151,8 +152,8 @@ void synced(const fs::path& file) {
 }  // namespace
 
 int main() {
-  std::string name = (fs::temp_directory_path() / "odeval-journal-test-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) return 1;
+  const odeval::test::TemporaryFolder folder;
+  const std::string name = folder.path().string();
   const fs::path file = fs::path(name) / "sweep" / "pendulum.journal";
   fs::create_directory(file.parent_path());
   lines();
@@ -162,6 +163,5 @@ int main() {
   doubled(file);
   synced(file);
   CHECK_THROWS(Journal("/dev/full", head()), MachineError, "no regular file");
-  fs::remove_all(name);
   return odeval::test::verdict();
 }

@@ -20,6 +20,7 @@
 #include "output/summary.hpp"
 #include "output/sweep_table.hpp"
 #include "tests/check.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace {
 
@@ -139,14 +140,13 @@ void every_quantity_is_taken() {
 }  // namespace
 
 int main() {
-  std::string name = (fs::temp_directory_path() / "odeval-quantity-test-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) return 1;
+  const test::TemporaryFolder folder;
+  const std::string name = folder.path().string();
   the_table_is_sound();
   bounds_have_the_units_of_their_errors();
   every_quantity_is_listed();
   every_quantity_is_in_results();
   every_quantity_may_be_limited(name);
   every_quantity_is_taken();
-  fs::remove_all(name);
   return test::verdict();
 }

@@ -13,6 +13,7 @@
 #include "odeval/error.hpp"
 #include "odeval/metrics.hpp"
 #include "tests/check.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace {
 
@@ -60,19 +61,11 @@ face = 0.9
 /// A folder for this test's files; the current folder while it lives, so that messages hold short names.
 class Folder {
  public:
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "odeval-scenario-test-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) std::abort();
-    path_ = name;
-    fs::current_path(path_);
-  }
-  ~Folder() {
-    fs::current_path("/");
-    fs::remove_all(path_);
-  }
+  Folder() { fs::current_path(folder_.path()); }
+  ~Folder() { fs::current_path("/"); }
 
  private:
-  fs::path path_;
+  test::TemporaryFolder folder_;
 };
 
 void write(const fs::path& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }

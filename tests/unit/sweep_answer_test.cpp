@@ -17,6 +17,7 @@
 #include "model/find_scenario.hpp"
 #include "output/sweep_table.hpp"
 #include "tests/check.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace {
 
@@ -276,12 +277,11 @@ void as_many_rows_are_not_the_same_times() {
 }  // namespace
 
 int main() {
-  std::string name = (fs::temp_directory_path() / "odeval-answer-test-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) return 1;
+  const test::TemporaryFolder folder;
+  const std::string name = folder.path().string();
   every_run_has_its_row(name + "/rows");
   the_front_is_of_runs_that_went_through(name + "/front");
   runs_share_the_reference_of_their_motion();
   as_many_rows_are_not_the_same_times();
-  fs::remove_all(name);
   return test::verdict();
 }
