@@ -48,8 +48,10 @@ const ReferenceProvider& provider_for(const Scenario& scenario) {
       std::ranges::find_if(table, [&](const ReferenceProvider& provider) { return provider.supports(scenario); });
   if (found != table.end()) return *found;
   const Features missing = features_of(scenario) - (known_of_bodies | known_of_chains);
-  if (!missing.empty()) throw UserError(scenario.file + ": there is no reference: they know " + lacking(missing));
-  throw UserError(scenario.file + ": there is no reference for these bodies, joints and contacts together: they know " +
+  if (!missing.empty())
+    throw UserError(scenario.file + ": there is no reference: the references have " + lacking(missing));
+  throw UserError(scenario.file +
+                  ": there is no reference for these bodies, joints and contacts together: there are references of " +
                   "chains in a plane (against a wall one box, or two balls), bodies alone, one or two bodies on one " +
                   "joint, balls on a plane, and a box that rubs on one");
 }

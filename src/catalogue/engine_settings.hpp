@@ -11,7 +11,7 @@ namespace odeval::catalogue {
 std::span<const EngineSetting> step_settings();
 /// What `dWorldQuickStep` reads: the same, and how it iterates.
 std::span<const EngineSetting> quickstep_settings();
-/// What the accurate step reads: restitution alone, since it keeps joints and contacts exactly.
+/// What the accurate step reads of [ode]: the bounce alone, since it keeps joints and contacts exactly.
 std::span<const EngineSetting> accurate_step_settings();
 /// What the closed form of bodies at a joint reads: their spring is made of it.
 std::span<const EngineSetting> closed_form_settings();

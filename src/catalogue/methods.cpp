@@ -188,8 +188,8 @@ void require_does(const Method& method, const Scenario& scenario, const std::str
   for (const Method& other : methods()) {
     if (does(other, scenario)) others += (others.empty() ? "" : ", ") + std::string(other.name);
   }
-  throw UserError(origin + ": method '" + std::string(method.name) + "' does not do scenario '" + scenario.name +
-                  "': it does " + lacking(missing) + "; these do: " + others);
+  throw UserError(origin + ": method '" + std::string(method.name) + "' can not do scenario '" + scenario.name +
+                  "': it has " + lacking(missing) + "; these can: " + others);
 }
 
 }  // namespace odeval::catalogue

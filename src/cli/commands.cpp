@@ -34,7 +34,7 @@ std::string first_line(const std::string& text) { return text.substr(0, text.fin
 std::string in_plain_words(const CLI::ParseError& error) {
   const std::string said = first_line(error.what());
   const std::string flag = said.substr(0, said.find(':'));
-  if (said.find(": At Most 1 required") != std::string::npos) return flag + ": stands more than once; give it once";
+  if (said.find(": At Most 1 required") != std::string::npos) return flag + ": is given more than once; give it once";
   if (said.ends_with(" missing")) return flag + ": a value is missing";
   if (said == "A subcommand is required") return "a command is missing";
   const std::string_view unread = "Could not convert: ";

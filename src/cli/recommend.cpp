@@ -193,7 +193,7 @@ class Search {
       if (finer_steps > most_steps_of_a_search) break;
       kept = in_steps(finer_steps, kept, scenario);
     }
-    kept.why_not = "a step keeps it by luck, and those beside it do not";
+    kept.why_not = "some number of steps keeps it, one or two steps more do not";
     return kept;
   }
 

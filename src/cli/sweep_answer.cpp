@@ -292,16 +292,15 @@ void print_front(const Journal& journal, const Answer& answer) {
     return;
   }
   if (std::ranges::all_of(answer.groups, [](const Group& group) { return group.front.empty(); })) {
-    std::cout << "\nno run that is ok has a " << metric << " of its own: there is no front\n";
+    std::cout << "\nno run that is ok has a value of " << metric << ": there is no front\n";
     return;
   }
   constexpr std::size_t most_shown = 12;
   bool lost = false;
   for (const Group& group : std::span(answer.groups).first(std::min(answer.groups.size(), most_shown))) {
-    std::cout << "\nthe least " << metric << " that a cost buys (Pareto front)"
+    std::cout << "\nPareto front of " << metric << " against CPU time"
               << (group.name.empty() ? "" : " where " + group.name) << "\n\n"
-              << (group.front.empty() ? "no run that is ok has one of its own\n"
-                                      : front_table(journal, answer, group.front));
+              << (group.front.empty() ? "no run that is ok has a value\n" : front_table(journal, answer, group.front));
     if (group.front.empty()) continue;
     const double worst = answer.error.value(journal.row(group.front.front().run));
     lost = lost || (metric == quantities[quantity::max_error_q].name && worst > divergence_rad);

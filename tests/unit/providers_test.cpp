@@ -67,11 +67,11 @@ void what_is_not() {
   const Change motor = [](Scenario& s) { s.mechanism.joints[0].motor = Motor{1, 1}; };
   const Change stop = [](Scenario& s) { s.mechanism.joints[0].stop = Stop{-1, 1, 0}; };
   const Change tensor = [](Scenario& s) { s.mechanism.bodies[0].inertia_kgm2 = {1, 0, 0, 0, 1, 0, 0, 0, 1}; };
-  refused(of_bodies({box}, {pin}), motor, "bodies.toml: there is no reference: they know no motors");
-  refused(of_bodies({box}, {pin}), stop, "they know no stops");
-  refused(of_bodies({box}), tensor, "they know no inertia tensors of their own");
-  refused(chain(2, LinkShape::box), motor, "chain.toml: there is no reference: they know no motors");
-  refused(chain(2, LinkShape::box), tensor, "they know no inertia tensors of their own");
+  refused(of_bodies({box}, {pin}), motor, "bodies.toml: there is no reference: the references have no motors");
+  refused(of_bodies({box}, {pin}), stop, "the references have no stops");
+  refused(of_bodies({box}), tensor, "the references have no inertia tensors of their own");
+  refused(chain(2, LinkShape::box), motor, "chain.toml: there is no reference: the references have no motors");
+  refused(chain(2, LinkShape::box), tensor, "the references have no inertia tensors of their own");
 
   const char* const together = "there is no reference for these bodies, joints and contacts together";
   refused(of_bodies({}), nothing, together);

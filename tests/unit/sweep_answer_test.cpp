@@ -151,7 +151,7 @@ void the_front_is_of_runs_that_went_through(const fs::path& folder) {
                   "0.004,0.5,," + line_of(1));
   const Answer none = answer_to(folder, {0, 5, 6, 7, 8}, {});
   CHECK_EQUAL(none.front, "cpu_s,max_error_q,reference_uncertainty," + table_header);
-  CHECK(none.said.find("no run that is ok has a max_error_q of its own: there is no front\n") != std::string::npos);
+  CHECK(none.said.find("no run that is ok has a value of max_error_q: there is no front\n") != std::string::npos);
   CHECK(answer_to(folder, {5, 8}, {}).said.find("no run is ok: there is no front\n") != std::string::npos);
 }
 
