@@ -68,7 +68,9 @@ ResultFolder::~ResultFolder() {
 
 RunSummary ResultFolder::write(const catalogue::Evaluation& run, catalogue::Evaluator& evaluator) const {
   RunSummary summary = catalogue::summarise(run, evaluator);
-  write_whole(folder_ / (std::string(run.method->name) + ".csv"), trace_csv(run.trace));
+  WholeFile trace(folder_ / (std::string(run.method->name) + ".csv"));
+  put_trace_csv(run.trace, [&](std::string_view line) { trace.write(line); });
+  trace.finish();
   write_whole(summary_of(folder_, run.method->name), summary_json(summary));
   return summary;
 }

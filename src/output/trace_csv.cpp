@@ -111,23 +111,25 @@ const TraceColumn* trace_column_of(std::string_view cell) {
   return nullptr;
 }
 
-std::string trace_csv(const Trace& trace) {
+void put_trace_csv(const Trace& trace, const std::function<void(std::string_view)>& put) {
   const Layout layout(trace);
-  const std::size_t rows = trace.rows();
   std::vector<char> line(layout.columns().size() * (longest_number + 1) + 1);
 
-  std::string text = layout.header() + '\n';
-  constexpr std::size_t enough = 20;  // characters a cell; memory that is never touched costs nothing
-  text.reserve(text.size() + rows * layout.columns().size() * enough);
-  for (std::size_t k = 0; k < rows; ++k) {
+  put(layout.header() + '\n');
+  for (std::size_t k = 0; k < trace.rows(); ++k) {
     char* end = line.data();
     for (const double* column : layout.columns()) {
       if (end != line.data()) *end++ = ',';
       end = put_number(end, column[k]);
     }
     *end++ = '\n';
-    text.append(line.data(), end);
+    put({line.data(), end});
   }
+}
+
+std::string trace_csv(const Trace& trace) {
+  std::string text;
+  put_trace_csv(trace, [&](std::string_view line) { text += line; });
   return text;
 }
 

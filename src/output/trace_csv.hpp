@@ -1,6 +1,7 @@
 #pragma once
 // A trace as comma-separated columns, and columns back from such a file.
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,6 +13,9 @@ namespace odeval {
 
 /// One header row, one row a sample; columns the trace does not have are left out.
 std::string trace_csv(const Trace& trace);
+
+/// The same, line by line: a file of megabytes is never whole in memory.
+void put_trace_csv(const Trace& trace, const std::function<void(std::string_view)>& put);
 
 /// The table's row of a cell of that header: "gap", "q2", "vx1", "r1211". Null: no trace has such a column.
 const TraceColumn* trace_column_of(std::string_view cell);
