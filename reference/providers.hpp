@@ -12,4 +12,8 @@ std::span<const ReferenceProvider> providers();
 /// The first that supports the scenario. Throws UserError when none does.
 const ReferenceProvider& provider_for(const Scenario& scenario);
 
+/// Bodies in space with the velocities that they had half a step before the start, by the mathematics of that
+/// reference. Throws UserError when nobody knows them.
+Scenario half_a_step_earlier(const Scenario& scenario);
+
 }  // namespace odeval::reference
