@@ -57,6 +57,12 @@ constexpr std::string_view trees = " (trees of bodies on joints need Simbody, wh
 
 std::span<const ReferenceProvider> providers() { return table; }
 
+#ifdef ODEVAL_HAVE_SIMBODY
+const MakeSimulation mechanism_cvode = make_mechanism_cvode;
+#else
+const MakeSimulation mechanism_cvode = nullptr;
+#endif
+
 const ReferenceProvider& provider_for(const Scenario& scenario) {
   const auto* const found =
       std::ranges::find_if(table, [&](const ReferenceProvider& provider) { return provider.supports(scenario); });

@@ -15,9 +15,7 @@
 #include "reference/planar/fixed_step.hpp"
 #include "reference/planar/ode45.hpp"
 #include "reference/planar/quad.hpp"
-#ifdef ODEVAL_HAVE_SIMBODY
-#include "reference/tree/tree_reference.hpp"
-#endif
+#include "reference/providers.hpp"
 
 namespace odeval::catalogue {
 namespace {
@@ -37,12 +35,6 @@ constexpr MakeSimulation quickstep_single = &in_module<&engine_ode::odeval_ode_s
 #else
 constexpr MakeSimulation step_single = nullptr;
 constexpr MakeSimulation quickstep_single = nullptr;
-#endif
-
-#ifdef ODEVAL_HAVE_SIMBODY
-constexpr MakeSimulation mechanism_cvode = reference::make_mechanism_cvode;
-#else
-constexpr MakeSimulation mechanism_cvode = nullptr;
 #endif
 
 constexpr auto mass_matrix = SystemMatrix::mass_matrix;
@@ -115,6 +107,7 @@ std::vector<Method> methods_in_joint_coordinates() {
 
 std::vector<Method> methods_of_bodies() {
   const std::string_view multipliers = "Newton-Euler with Lagrange multipliers";
+  const auto tight = reference::tight_tolerances;
   return {
       {"maximal-euler", multipliers, "explicit Euler, fixed step", 1, 0, 0, two_links, reference::make_maximal_euler,
        feedback_settings(), planar_joints},
@@ -123,7 +116,7 @@ std::vector<Method> methods_of_bodies() {
       {"maximal-ode-step", "one dWorldStep rebuilt", "ODE's own scheme, fixed step", 1, 0, 0, chain_or_one_at_wall,
        reference::make_maximal_ode_step, step_settings(), hinge_rows_cfm},
       {"mechanism-cvode", "Simbody's equations of a tree", "SUNDIALS CVODE, Adams: the reference of trees of bodies", 0,
-       tight.rtol, tight.atol, any_chain | joined_bodies, mechanism_cvode, tolerance_settings(), mass_matrix,
+       tight.rtol, tight.atol, any_chain | joined_bodies, reference::mechanism_cvode, tolerance_settings(), mass_matrix,
        "this build has no Simbody (libsimbody-dev); scripts/install-deps installs it, then configure again"},
       {"analytic", "closed form", "elliptic functions and the like", 0, 0, 0, closed_form, reference::make_analytic,
        closed_form_settings(), mass_matrix},

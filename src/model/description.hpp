@@ -20,9 +20,9 @@ struct BodyTable {
   Vec3 turn_rad{};      // rotation vector
   Vec3 velocity_m_s{};  // of its centre
   Vec3 spin_rad_s{};
-  double aspect = 1;                                  // by how much the sides x and y are divided
-  std::string name;                                   // empty: "body" and its number, from 1
-  std::optional<std::array<double, 6>> inertia_kgm2;  // xx, yy, zz, xy, xz, yz about its own axes; absent: uniform
+  double aspect = 1;                                       // by how much the sides x and y are divided
+  std::string name = {};                                   // empty: "body" and its number, from 1
+  std::optional<std::array<double, 6>> inertia_kgm2 = {};  // xx, yy, zz, xy, xz, yz about its own axes; absent: uniform
 };
 
 /// [ground]: a plane through the origin that falls towards +x.

@@ -6,7 +6,7 @@
 namespace odeval {
 namespace {
 
-constexpr std::array<std::string_view, 12> names{
+constexpr std::array<std::string_view, 13> names{
     "bodies in space",
     "more than one link",
     "more than two links",

@@ -121,9 +121,10 @@ struct Drive {
   dJointID joint;
   const Joint& what;
 
-  void operator()(const BallJoint&) const {
-    if (what.motor || what.stop) throw Fault("a ball joint has no axis for a motor or a stop");
-  }
+  void operator()(const BallJoint&) const { refuse("a ball joint has no axis for a motor or a stop"); }
+  void operator()(const SliderJoint&) const { refuse("a slider's motors and stops are not given to ODE"); }
+  void operator()(const UniversalJoint&) const { refuse("a universal joint's motors and stops are not given to ODE"); }
+  void operator()(const FixedJoint&) const { refuse("a fixed joint has no axis for a motor or a stop"); }
   void operator()(const HingeJoint&) const {
     if (what.motor) {
       dJointSetHingeParam(joint, dParamVel, real(what.motor->speed_rad_s));
@@ -140,6 +141,11 @@ struct Drive {
       dJointSetHingeParam(joint, dParamHiStop, real(what.stop->high_rad));
       dJointSetHingeParam(joint, dParamBounce, real(what.stop->restitution));
     }
+  }
+
+ private:
+  void refuse(const char* why) const {
+    if (what.motor || what.stop) throw Fault(why);
   }
 };
 
