@@ -48,9 +48,12 @@ constexpr std::array table{
 #ifdef ODEVAL_HAVE_SIMBODY
 constexpr Features known = known_of_bodies | known_of_chains | known_of_trees;
 constexpr std::string_view trees = ", trees of bodies on joints that start closed";
+constexpr std::string_view without = "";
 #else
 constexpr Features known = known_of_bodies | known_of_chains;
-constexpr std::string_view trees = " (trees of bodies on joints need Simbody, which this build has not)";
+constexpr std::string_view trees = "";
+constexpr std::string_view without =
+    "; this build has no Simbody (libsimbody-dev), which trees of bodies on joints need";
 #endif
 
 }  // namespace
@@ -68,12 +71,14 @@ const ReferenceProvider& provider_for(const Scenario& scenario) {
       std::ranges::find_if(table, [&](const ReferenceProvider& provider) { return provider.supports(scenario); });
   if (found != table.end()) return *found;
   const Features missing = features_of(scenario) - known;
-  if (!missing.empty())
-    throw UserError(scenario.file + ": there is no reference: the references have " + lacking(missing));
+  if (!missing.empty()) {
+    throw UserError(scenario.file + ": there is no reference: the references have " + lacking(missing) +
+                    std::string(without));
+  }
   throw UserError(scenario.file +
                   ": there is no reference for these bodies, joints and contacts together: there are references of " +
                   "chains in a plane (against a wall one box, or two balls), bodies alone, one or two bodies on one " +
-                  "joint, balls on a plane, and a box that rubs on one" + std::string(trees));
+                  "joint, balls on a plane, and a box that rubs on one" + std::string(trees) + std::string(without));
 }
 
 Scenario half_a_step_earlier(const Scenario& scenario) {
