@@ -36,10 +36,9 @@ void name_bodies(Draft& draft) {
 void check_inertia(const Draft& draft, std::size_t body) {
   if (!draft.said.bodies[body].inertia_kgm2) return;
   const auto [xx, yy, zz, xy, xz, yz] = *draft.said.bodies[body].inertia_kgm2;
+  const Vec3 products{xy, xz, yz};
   const auto least_minors = [&](double a, double b, double c, double sign) {
-    const double de = sign * xy;
-    const double df = sign * xz;
-    const double ef = sign * yz;
+    const auto [de, df, ef] = sign * products;
     return std::array{std::min({a, b, c}), std::min({a * b - de * de, a * c - df * df, b * c - ef * ef}),
                       a * b * c + 2 * de * df * ef - a * ef * ef - b * df * df - c * de * de};
   };
