@@ -143,9 +143,10 @@ void check_start(const Draft& draft) {
     if (std::fmax(misfit.speed_m_s, misfit.spin_rad_s) <= allowed_misfit(mechanism)) continue;
     draft.fail(
         fmt::format("joints.{}", i), "",
-        fmt::format("does not allow the velocity and spin that '{}' and '{}' start with: they part by {:.3g} m/s "
-                    "and {:.3g} rad/s",
-                    draft.said.joints[i].parent, draft.said.joints[i].child, misfit.speed_m_s, misfit.spin_rad_s));
+        fmt::format("does not allow the velocity and spin with which bodies.{} '{}' starts beside '{}': they part by "
+                    "{:.3g} m/s and {:.3g} rad/s",
+                    draft.said.body_named(draft.said.joints[i].child).value(), draft.said.joints[i].child,
+                    draft.said.joints[i].parent, misfit.speed_m_s, misfit.spin_rad_s));
   }
   if (free == 0) draft.fail("joints", "", "leave nothing that can move; one of another kind than fixed is wanted");
 }

@@ -181,7 +181,8 @@ void bad_joints() {
 
 void bad_starts() {
   refuses("velocity = [0, 1, 0]", "velocity = [0, 1.5, 0]",
-          "joints.1 does not allow the velocity and spin that 'table' and 'forearm' start with: they part by 0.5 m/s");
+          "joints.1 does not allow the velocity and spin with which bodies.1 'forearm' starts beside 'table': they "
+          "part by 0.5 m/s");
   CHECK_THROWS(read(replaced(arm, "spin = [0, 0, 2]\ninertia", "spin = [1, 0, 2]\ninertia")), UserError, "and 1 rad/s");
   refused(R"(problem = "mechanism"
 duration = 1
