@@ -7,6 +7,9 @@
 #include "reference/closed_form/body_motion.hpp"
 #include "reference/closed_form/body_solution.hpp"
 #include "reference/planar/reference_solution.hpp"
+#ifdef ODEVAL_HAVE_SIMBODY
+#include "reference/tree/tree_reference.hpp"
+#endif
 
 namespace odeval::reference {
 namespace {
@@ -37,23 +40,52 @@ bool chain_in_plane(const Scenario& scenario) {
 constexpr std::array table{
     ReferenceProvider{"analytic", has_body_motion, solve_body_reference},
     ReferenceProvider{"lagrange-cvode", chain_in_plane, solve_reference},
+#ifdef ODEVAL_HAVE_SIMBODY
+    ReferenceProvider{"mechanism-cvode", is_tree, solve_tree},
+#endif
 };
+
+#ifdef ODEVAL_HAVE_SIMBODY
+constexpr Features known = known_of_bodies | known_of_chains | known_of_trees;
+constexpr std::string_view trees = ", trees of bodies on joints that start closed";
+constexpr std::string_view without = "";
+#else
+constexpr Features known = known_of_bodies | known_of_chains;
+constexpr std::string_view trees = "";
+constexpr std::string_view without =
+    "; this build has no Simbody (libsimbody-dev), which trees of bodies on joints need";
+#endif
 
 }  // namespace
 
 std::span<const ReferenceProvider> providers() { return table; }
 
+#ifdef ODEVAL_HAVE_SIMBODY
+const MakeSimulation mechanism_cvode = make_mechanism_cvode;
+#else
+const MakeSimulation mechanism_cvode = nullptr;
+#endif
+
 const ReferenceProvider& provider_for(const Scenario& scenario) {
   const auto* const found =
       std::ranges::find_if(table, [&](const ReferenceProvider& provider) { return provider.supports(scenario); });
   if (found != table.end()) return *found;
-  const Features missing = features_of(scenario) - (known_of_bodies | known_of_chains);
-  if (!missing.empty())
-    throw UserError(scenario.file + ": there is no reference: the references have " + lacking(missing));
+  const Features missing = features_of(scenario) - known;
+  if (!missing.empty()) {
+    throw UserError(scenario.file + ": there is no reference: the references have " + lacking(missing) +
+                    std::string(without));
+  }
   throw UserError(scenario.file +
                   ": there is no reference for these bodies, joints and contacts together: there are references of " +
                   "chains in a plane (against a wall one box, or two balls), bodies alone, one or two bodies on one " +
-                  "joint, balls on a plane, and a box that rubs on one");
+                  "joint, balls on a plane, and a box that rubs on one" + std::string(trees) + std::string(without));
+}
+
+Scenario half_a_step_earlier(const Scenario& scenario) {
+#ifdef ODEVAL_HAVE_SIMBODY
+  if (!has_body_motion(scenario) && is_tree(scenario)) return tree_half_a_step_earlier(scenario);
+#endif
+  return bodies_half_a_step_earlier(scenario);
 }
 
 }  // namespace odeval::reference

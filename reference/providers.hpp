@@ -2,6 +2,7 @@
 // Who knows the true motion of a scenario.
 #include <span>
 
+#include "odeval/engine.hpp"
 #include "odeval/reference.hpp"
 
 namespace odeval::reference {
@@ -11,5 +12,12 @@ std::span<const ReferenceProvider> providers();
 
 /// The first that supports the scenario. Throws UserError when none does.
 const ReferenceProvider& provider_for(const Scenario& scenario);
+
+/// Method mechanism-cvode; null in a build without Simbody, whose equations it integrates.
+extern const MakeSimulation mechanism_cvode;
+
+/// Bodies in space with the velocities that they had half a step before the start, by the mathematics of that
+/// reference. Throws UserError when nobody knows them.
+Scenario half_a_step_earlier(const Scenario& scenario);
 
 }  // namespace odeval::reference

@@ -8,6 +8,7 @@
 #include "catalogue/evaluation.hpp"
 #include "model/generate.hpp"
 #include "model/problems.hpp"
+#include "reference/providers.hpp"
 
 namespace odeval::test {
 
@@ -63,6 +64,11 @@ inline double angle_error(const Scenario& scenario, std::string_view method) {
 
 inline bool in_this_build(std::string_view method) {
   return std::ranges::find(catalogue::methods(), method, &catalogue::Method::name)->make != nullptr;
+}
+
+inline bool has_reference(const Scenario& scenario) {
+  return std::ranges::any_of(reference::providers(),
+                             [&](const ReferenceProvider& provider) { return provider.supports(scenario); });
 }
 
 }  // namespace odeval::test

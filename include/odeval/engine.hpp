@@ -41,6 +41,7 @@ enum class Feature : std::uint8_t {
   friction,           // of any contact, by a coefficient
   constant_friction,  // by a force, whatever the normal force is
   joints_in_space,    // joints of bodies that are no links in a plane
+  open_joints,        // joints that start open
   motors,
   stops,
   inertia,  // a tensor of its own, not that of a uniform solid

@@ -75,12 +75,35 @@ struct HingeJoint {
   Vec3 anchor_m{};     // as of a ball joint
   Vec3 axis{0, 1, 0};  // unit
 };
+/// Leaves one way along an axis; nothing turns.
+struct SliderJoint {
+  Vec3 anchor_m{};     // a point of the line along which it slides
+  Vec3 axis{0, 0, 1};  // unit
+};
+/// Holds a point and two axes at right angles; leaves a turn about each.
+struct UniversalJoint {
+  Vec3 anchor_m{};      // as of a ball joint
+  Vec3 axis1{1, 0, 0};  // unit, fixed in the first body
+  Vec3 axis2{0, 1, 0};  // unit, fixed in the second body, or in the world
+};
+/// Leaves nothing: two bodies move as one.
+struct FixedJoint {
+  Vec3 anchor_m{};  // as of a ball joint
+};
 /// Every switch over kinds is a visit of this variant, so that a new kind is a list of compile errors and never an
 /// else.
-using JointKind = std::variant<BallJoint, HingeJoint>;
+using JointKind = std::variant<BallJoint, HingeJoint, SliderJoint, UniversalJoint, FixedJoint>;
 
-/// Where a joint's halves meet when it is closed.
+/// Where a joint's halves meet when it is closed; of a slider a point of its line.
 const Vec3& anchor_m(const JointKind& kind);
+
+/// What a joint leaves free as its bodies stand at t = 0: unit directions at right angles to each other.
+struct Freedom {
+  std::vector<Vec3> ways;   // of the anchor of one body against that of the other
+  std::vector<Vec3> turns;  // of one body against the other
+};
+/// Of a kind; empty of one that leaves nothing.
+Freedom freedom_of(const JointKind& kind);
 
 /// Drives a joint along its axis at a speed, with no more than a force. Positive turns the first body about the axis
 /// against the second, or against the world.
@@ -149,6 +172,12 @@ struct Contact {
   bool is_between(std::string_view a, std::string_view b) const;
 };
 
+/// The part of a start that a joint does not allow.
+struct Misfit {
+  double speed_m_s = 0;   // of the anchors against each other, across what is free
+  double spin_rad_s = 0;  // of the bodies against each other, likewise
+};
+
 /// Everything that moves and what it can meet. Numbers of bodies and joints are places in these lists.
 struct Mechanism {
   std::vector<Body> bodies;         // in the order of columns in traces
@@ -156,6 +185,13 @@ struct Mechanism {
   std::vector<Obstacle> obstacles;  // what stands still
   std::vector<Contact> contacts;    // which of them touch; empty: none
 };
+
+/// How far the velocities and spins of its bodies are from what the joint leaves free; an opening is not looked at.
+Misfit misfit_of(const Mechanism& mechanism, const Joint& joint);
+
+/// What the digits of a file may leave of it, m/s or rad/s: 1e-9 of the fastest that moves, and never less than that
+/// of 1.
+double allowed_misfit(const Mechanism& mechanism);
 
 /// A body's joint for tables that show one force a body: the one that carries it, or else the first that it is part of.
 struct Carrier {

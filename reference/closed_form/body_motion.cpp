@@ -16,25 +16,21 @@ namespace {
 
 /// A kind of true motion, and what it asks of a mechanism.
 struct MotionRow {
-  bool (*supports)(const Mechanism&);
+  bool (*supports)(const Scenario&);
   std::unique_ptr<BodyMotion> (*make)(const Scenario&);
 };
 
-bool bodies_alone(const Mechanism& mechanism) {
+bool bodies_alone(const Scenario& scenario) {
+  const Mechanism& mechanism = scenario.mechanism;
   return !mechanism.bodies.empty() && mechanism.joints.empty() && mechanism.contacts.empty();
 }
 
-/// Whether ODE's law for a joint that is pulled open is known: a spring between two points, however they are turned.
-struct HoldsAPoint {
-  bool operator()(const BallJoint&) const { return true; }
-  bool operator()(const HingeJoint&) const { return true; }
-};
-
 /// One or two bodies on one joint.
-bool one_joint(const Mechanism& mechanism) {
+bool one_joint(const Scenario& scenario) {
+  const Mechanism& mechanism = scenario.mechanism;
   if (mechanism.joints.size() != 1 || !mechanism.contacts.empty()) return false;
   const Joint& joint = mechanism.joints.front();
-  return std::visit(HoldsAPoint{}, joint.kind) && joint.first == 0 && joint.carried() + 1 == mechanism.bodies.size();
+  return joint.first == 0 && joint.carried() + 1 == mechanism.bodies.size() && has_sprung_motion(scenario);
 }
 
 /// A plane, and the one contact of every body with it; nothing where there is more to touch, or joints hold bodies.
@@ -52,12 +48,12 @@ std::optional<Ground> only_ground(const Mechanism& mechanism) {
   return Ground{plane, &contact};
 }
 /// Down a plane that falls along x.
-bool rubbing(const Mechanism& mechanism) {
-  const auto ground = only_ground(mechanism);
+bool rubbing(const Scenario& scenario) {
+  const auto ground = only_ground(scenario.mechanism);
   return ground && ground->contact->friction && ground->plane->normal[1] == 0;
 }
-bool bouncing(const Mechanism& mechanism) {
-  const auto ground = only_ground(mechanism);
+bool bouncing(const Scenario& scenario) {
+  const auto ground = only_ground(scenario.mechanism);
   return ground && !ground->contact->friction;
 }
 
@@ -71,7 +67,7 @@ constexpr std::array motions{
 
 auto find_motion(const Scenario& scenario) {
   const bool known = !scenario.planar && (features_of(scenario) - known_of_bodies).empty();
-  return std::ranges::find_if(motions, [&](const MotionRow& row) { return known && row.supports(scenario.mechanism); });
+  return std::ranges::find_if(motions, [&](const MotionRow& row) { return known && row.supports(scenario); });
 }
 
 }  // namespace

@@ -46,37 +46,47 @@ void store(std::array<Column, N>& columns, const std::array<double, N>& values) 
 
 }  // namespace
 
+void append_row(Reference& reference, const Mechanism& mechanism, double t, const Sample& sample) {
+  Trace& trace = reference.trace;
+  trace.bodies.resize(sample.bodies.size());
+  trace.long_axis_spin.resize(sample.bodies.size());
+  trace.t.push_back(t);
+  for (std::size_t i = 0; i < sample.bodies.size(); ++i) {
+    const BodyState& state = sample.bodies[i];
+    const std::optional<Carrier> carrier = carrier_of(mechanism, i);
+    store(trace.bodies[i].position, state.position);
+    store(trace.bodies[i].rotation, state.rotation);
+    store(trace.bodies[i].velocity, state.velocity);
+    store(trace.bodies[i].spin, state.spin);
+    store(trace.bodies[i].joint_force, force_beside(carrier, sample.joints));
+    trace.long_axis_spin[i].push_back(dot(axis_of(state.rotation, mechanism.bodies[i].long_axis()), state.spin));
+  }
+}
+
+void append_uncertainty(Reference& reference, const BodyUncertainty& uncertainty) {
+  reference.uncertainty_position.push_back(uncertainty.position_m);
+  reference.uncertainty_turn.push_back(uncertainty.turn_rad);
+  reference.uncertainty_spin.push_back(uncertainty.spin_rad_s);
+}
+
+void tell_joint_forces(Reference& reference, const Mechanism& mechanism) {
+  if (mechanism.joints.empty()) return;
+  for (const BodyColumns& body : reference.trace.bodies) reference.joint_force.push_back(body.joint_force);
+}
+
 Reference solve_body_reference(const Scenario& scenario, const SampleGrid& grid) {
   const Mechanism& mechanism = scenario.mechanism;
   const std::unique_ptr<BodyMotion> motion = make_body_motion(scenario);
   Motion now(shape_of(mechanism), 1);
   const Sample sample = now[0];
   Reference reference;
-  Trace& trace = reference.trace;
-  trace.bodies.resize(mechanism.bodies.size());
-  trace.long_axis_spin.resize(mechanism.bodies.size());
   for (long k = 0; k < grid.rows; ++k) {
     const double t = grid.time(k);
     motion->at(t, sample.bodies, sample.joints);
-    trace.t.push_back(t);
-    for (std::size_t i = 0; i < sample.bodies.size(); ++i) {
-      const BodyState& state = sample.bodies[i];
-      const std::optional<Carrier> carrier = carrier_of(mechanism, i);
-      store(trace.bodies[i].position, state.position);
-      store(trace.bodies[i].rotation, state.rotation);
-      store(trace.bodies[i].velocity, state.velocity);
-      store(trace.bodies[i].spin, state.spin);
-      store(trace.bodies[i].joint_force, force_beside(carrier, sample.joints));
-      trace.long_axis_spin[i].push_back(dot(axis_of(state.rotation, mechanism.bodies[i].long_axis()), state.spin));
-    }
-    const BodyUncertainty uncertainty = motion->uncertainty(t);
-    reference.uncertainty_position.push_back(uncertainty.position_m);
-    reference.uncertainty_turn.push_back(uncertainty.turn_rad);
-    reference.uncertainty_spin.push_back(uncertainty.spin_rad_s);
+    append_row(reference, mechanism, t, sample);
+    append_uncertainty(reference, motion->uncertainty(t));
   }
-  if (!mechanism.joints.empty()) {
-    for (const BodyColumns& body : trace.bodies) reference.joint_force.push_back(body.joint_force);
-  }
+  tell_joint_forces(reference, mechanism);
   reference.impacts = motion->impacts(grid.time(grid.rows - 1));
   reference.at_rest_from = motion->at_rest_from();
   reference.origin = motion->origin();
@@ -87,7 +97,7 @@ std::unique_ptr<Simulation> make_body_analytic(const Scenario& scenario, const S
   return std::make_unique<BodyAnalytic>(scenario, grid);
 }
 
-Scenario half_a_step_earlier(const Scenario& scenario) {
+Scenario bodies_half_a_step_earlier(const Scenario& scenario) {
   Scenario earlier = scenario;
   std::vector<Body>& bodies = earlier.mechanism.bodies;
   Motion then(shape_of(scenario.mechanism), 1);

@@ -15,12 +15,56 @@ namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
+/// Whether ODE's law for a joint that is pulled open is known: a spring between two points, however they are turned.
+struct HoldsAPoint {
+  bool operator()(const BallJoint&) const { return true; }
+  bool operator()(const HingeJoint&) const { return true; }
+  bool operator()(const SliderJoint&) const { return false; }
+  bool operator()(const UniversalJoint&) const { return false; }
+  bool operator()(const FixedJoint&) const { return false; }
+};
+
+/// What in a start gives it another motion.
+struct Fault {
+  std::size_t body;
+  const char* key;
+  const char* rule;
+};
+
+std::optional<Fault> fault_of(const Scenario& scenario) {
+  const std::vector<Body>& bodies = scenario.mechanism.bodies;
+  const Joint& joint = scenario.mechanism.joints.at(0);
+  const bool pair = bodies.size() == 2;
+  const Vec3 speed = bodies[0].velocity_m_s - (pair ? bodies[1].velocity_m_s : Vec3{});
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Body& body = bodies[i];
+    if (dot(body.spin_rad_s, body.spin_rad_s) != 0) return Fault{i, "spin", "must be 0"};
+    const Vec3 anchor = anchor_m(joint.kind) + (i == 0 ? joint.opening_m : Vec3{});
+    const Vec3 arm = anchor - body.position_m;
+    const double rounding = 8 * epsilon * (length(anchor) + length(body.position_m));
+    const auto along = [&](const Vec3& pull) {
+      const Vec3 torque = cross(arm, pull);
+      return length(torque) <= rounding * length(pull);
+    };
+    if (!along(joint.opening_m))
+      return Fault{i, "position", "must be the joint's anchor or lie along its displacement"};
+    if (!along(speed)) return Fault{i, "velocity", "must lie along the line from the body to the joint"};
+    if (!along({0, 0, pair ? 0 : scenario.gravity})) {
+      return Fault{i, "position", "must be the joint's anchor, above or below it"};
+    }
+  }
+  return std::nullopt;
+}
+
 /// What is the same for every law: which body moves how much, and what they do together.
 class JointMotion : public BodyMotion {
  public:
   explicit JointMotion(const Scenario& scenario)
       : bodies_(scenario.mechanism.bodies), joint_(scenario.mechanism.joints.at(0)), gravity_(scenario.gravity) {
-    check(scenario.name);
+    if (const auto fault = fault_of(scenario)) {
+      throw UserError(fmt::format("{}: bodies.{}.{} {}, or the motion has no closed form", scenario.name, fault->body,
+                                  fault->key, fault->rule));
+    }
   }
 
   void at(double t, std::span<BodyState> states, std::span<JointState> joints) const final {
@@ -83,27 +127,6 @@ class JointMotion : public BodyMotion {
         total();
     const Deflection fallen = axis == 2 ? fall(t) : Deflection{};
     return {v * t + fallen.x, v + fallen.v};
-  }
-
-  void check(const std::string& name) const {
-    const Vec3 speed{starts(0).v, starts(1).v, starts(2).v};
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      const Body& body = bodies_[i];
-      const auto refuse = [&](const char* key, const char* rule) {
-        throw UserError(fmt::format("{}: bodies.{}.{} {}, or the motion has no closed form", name, i, key, rule));
-      };
-      if (dot(body.spin_rad_s, body.spin_rad_s) != 0) refuse("spin", "must be 0");
-      const Vec3 anchor = anchor_m(joint_.kind) + (i == 0 ? joint_.opening_m : Vec3{});
-      const Vec3 arm = anchor - body.position_m;
-      const double rounding = 8 * epsilon * (length(anchor) + length(body.position_m));
-      const auto along = [&](const Vec3& pull) {
-        const Vec3 torque = cross(arm, pull);
-        return length(torque) <= rounding * length(pull);
-      };
-      if (!along(joint_.opening_m)) refuse("position", "must be the joint's anchor or lie along its displacement");
-      if (!along(speed)) refuse("velocity", "must lie along the line from the body to the joint");
-      if (!along({0, 0, pull(2)})) refuse("position", "must be the joint's anchor, above or below it");
-    }
   }
 
   std::vector<Body> bodies_;
@@ -170,6 +193,11 @@ class RigidJoint final : public JointMotion {
 };
 
 }  // namespace
+
+bool has_sprung_motion(const Scenario& scenario) {
+  const Joint& joint = scenario.mechanism.joints.at(0);
+  return std::visit(HoldsAPoint{}, joint.kind) && (joint.opening_m != Vec3{} || !fault_of(scenario));
+}
 
 std::unique_ptr<BodyMotion> make_sprung_joint(const Scenario& scenario) {
   const OdeSettings& ode = scenario.ode;

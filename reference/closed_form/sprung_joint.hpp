@@ -12,6 +12,10 @@ namespace odeval::reference {
 /// bodies: its arms lie along the displacement (of a body on the world, under gravity, along z as well) or are zero, no
 /// body spins, and none moves across its arm. A hinge is then as good as a ball: what it adds are rows for turns, which
 /// stay zero. Throws UserError otherwise.
+///
+/// A joint that starts closed may have another motion, which is no fault of the start: `has_sprung_motion` tells, for
+/// balls and hinges. Of other kinds, and of joints that start open, it looks at the kind alone.
+bool has_sprung_motion(const Scenario& scenario);
 std::unique_ptr<BodyMotion> make_sprung_joint(const Scenario& scenario);
 
 }  // namespace odeval::reference

@@ -208,13 +208,6 @@ std::array<Vec3, N> joint_forces(const Scenario& scenario, const std::array<doub
   return forces;
 }
 
-std::string origin_of(Tolerances tight, Tolerances loose) {
-  std::ostringstream text;
-  text << "CVODE " << CvodeSolver::version() << " Adams, rtol " << tight.rtol << ", atol " << tight.atol
-       << "; uncertainty from a second run at rtol " << loose.rtol;
-  return text.str();
-}
-
 template <std::size_t N>
 Reference solve(const Scenario& scenario, const SampleGrid& grid, Tolerances tight_run, Tolerances loose_run) {
   const auto rows = static_cast<std::size_t>(grid.rows);
@@ -270,6 +263,13 @@ Reference solve(const Scenario& scenario, const SampleGrid& grid, Tolerances tig
 }
 
 }  // namespace
+
+std::string origin_of(Tolerances tight, Tolerances loose) {
+  std::ostringstream text;
+  text << "CVODE " << CvodeSolver::version() << " Adams, rtol " << tight.rtol << ", atol " << tight.atol
+       << "; uncertainty from a second run at rtol " << loose.rtol;
+  return text.str();
+}
 
 Reference solve_reference(const Scenario& scenario, const SampleGrid& grid) {
   return solve_reference(scenario, grid, tight_tolerances, loose_tolerances);

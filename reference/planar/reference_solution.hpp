@@ -44,4 +44,7 @@ Reference solve_reference(const Scenario& scenario, const SampleGrid& grid);
 /// where rounding does not hide it.
 Reference solve_reference(const Scenario& scenario, const SampleGrid& grid, Tolerances tight, Tolerances loose);
 
+/// Reference::origin of two runs of CVODE.
+std::string origin_of(Tolerances tight, Tolerances loose);
+
 }  // namespace odeval::reference

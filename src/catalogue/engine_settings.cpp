@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "reference/closed_form/body_motion.hpp"
+
 namespace odeval::catalogue {
 namespace {
 
@@ -32,9 +34,7 @@ constexpr std::array of_quickstep{
     EngineSetting{"ode.gyroscopic", anywhere, ""}};
 constexpr std::size_t only_quickstep = 3;
 constexpr std::array of_accurate_step{on_contacts("ode.bounce")};
-constexpr EngineSetting on_spring(std::string_view key) {
-  return {key, joints_are_springs, "joints of bodies in space"};
-}
+constexpr EngineSetting on_spring(std::string_view key) { return {key, joints_are_springs, "joints that are springs"}; }
 constexpr std::array of_closed_form{on_spring("ode.erp"), on_spring("ode.cfm"), on_spring("ode.kp"),
                                     on_spring("ode.kd")};
 constexpr std::array of_feedback{EngineSetting{"maximal.ks", anywhere, ""}, EngineSetting{"maximal.kd", anywhere, ""}};
@@ -46,7 +46,9 @@ std::span<const EngineSetting> step_settings() { return quickstep_settings().sub
 std::span<const EngineSetting> quickstep_settings() { return of_quickstep; }
 std::span<const EngineSetting> accurate_step_settings() { return of_accurate_step; }
 std::span<const EngineSetting> closed_form_settings() { return of_closed_form; }
-bool joints_are_springs(const Scenario& scenario) { return !scenario.planar && !scenario.mechanism.joints.empty(); }
+bool joints_are_springs(const Scenario& scenario) {
+  return !scenario.mechanism.joints.empty() && reference::has_body_motion(scenario);
+}
 bool is_of_spring(std::string_view key) {
   return std::ranges::find(of_closed_form, key, &EngineSetting::key) != of_closed_form.end();
 }

@@ -15,7 +15,7 @@ std::span<const EngineSetting> quickstep_settings();
 std::span<const EngineSetting> accurate_step_settings();
 /// What the closed form of bodies at a joint reads: their spring is made of it.
 std::span<const EngineSetting> closed_form_settings();
-/// Whether the scenario's joints are springs, of which the true motion is made: those of bodies in space.
+/// Whether the scenario's joints are springs, of which the true motion is made: those of the closed form.
 bool joints_are_springs(const Scenario& scenario);
 /// Whether a key makes such a spring: the same keys.
 bool is_of_spring(std::string_view key);

@@ -11,7 +11,6 @@
 #include "model/generate.hpp"
 #include "output/number.hpp"
 #include "output/summary.hpp"
-#include "reference/closed_form/body_solution.hpp"
 #include "reference/planar/generalized_trace.hpp"
 #include "reference/planar/reference_solution.hpp"
 #include "reference/providers.hpp"

@@ -15,6 +15,7 @@
 #include "reference/planar/fixed_step.hpp"
 #include "reference/planar/ode45.hpp"
 #include "reference/planar/quad.hpp"
+#include "reference/providers.hpp"
 
 namespace odeval::catalogue {
 namespace {
@@ -47,12 +48,17 @@ constexpr Features any_chain{Feature::several_links, Feature::many_links};
 constexpr Features chain_or_one_at_wall = any_chain | Features{Feature::wall};
 constexpr Features any_planar = chain_or_one_at_wall | Features{Feature::wall_of_several};
 constexpr Features touching_bodies = any_planar | Features{Feature::space, Feature::ground};
+constexpr Features joined_bodies{Feature::space, Feature::joints_in_space, Feature::inertia};
 constexpr Features accurate =
-    touching_bodies | Features{Feature::friction, Feature::motors, Feature::stops, Feature::inertia};
-constexpr Features all_of_ode = accurate | Features{Feature::constant_friction, Feature::joints_in_space};
-constexpr Features closed_form{
-    Feature::wall,           Feature::space, Feature::ground, Feature::friction, Feature::constant_friction,
-    Feature::joints_in_space};
+    touching_bodies | joined_bodies | Features{Feature::friction, Feature::motors, Feature::stops};
+constexpr Features all_of_ode = accurate | Features{Feature::constant_friction, Feature::open_joints};
+constexpr Features closed_form{Feature::wall,
+                               Feature::space,
+                               Feature::ground,
+                               Feature::friction,
+                               Feature::constant_friction,
+                               Feature::joints_in_space,
+                               Feature::open_joints};
 
 std::vector<Method> engines_of_ode() {
   const std::span<const EngineSetting> step = step_settings();
@@ -101,6 +107,7 @@ std::vector<Method> methods_in_joint_coordinates() {
 
 std::vector<Method> methods_of_bodies() {
   const std::string_view multipliers = "Newton-Euler with Lagrange multipliers";
+  const auto tight = reference::tight_tolerances;
   return {
       {"maximal-euler", multipliers, "explicit Euler, fixed step", 1, 0, 0, two_links, reference::make_maximal_euler,
        feedback_settings(), planar_joints},
@@ -108,6 +115,9 @@ std::vector<Method> methods_of_bodies() {
        feedback_settings(), planar_joints},
       {"maximal-ode-step", "one dWorldStep rebuilt", "ODE's own scheme, fixed step", 1, 0, 0, chain_or_one_at_wall,
        reference::make_maximal_ode_step, step_settings(), hinge_rows_cfm},
+      {"mechanism-cvode", "Simbody's equations of a tree", "SUNDIALS CVODE, Adams: the reference of trees of bodies", 0,
+       tight.rtol, tight.atol, any_chain | joined_bodies, reference::mechanism_cvode, tolerance_settings(), mass_matrix,
+       "this build has no Simbody (libsimbody-dev); scripts/install-deps installs it, then configure again"},
       {"analytic", "closed form", "elliptic functions and the like", 0, 0, 0, closed_form, reference::make_analytic,
        closed_form_settings(), mass_matrix},
   };

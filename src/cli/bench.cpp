@@ -7,14 +7,12 @@
 #include <iostream>
 
 #include "catalogue/equal_error.hpp"
-#include "catalogue/paths.hpp"
 #include "catalogue/table_5_2.hpp"
 #include "catalogue/timing.hpp"
 #include "catalogue/versions.hpp"
 #include "cli/commands.hpp"
 #include "cli/flags.hpp"
 #include "cli/progress.hpp"
-#include "model/find_scenario.hpp"
 #include "odeval/error.hpp"
 #include "output/file.hpp"
 #include "output/number.hpp"
@@ -35,7 +33,7 @@ std::vector<Plan> plans_of(const BenchOptions& options) {
   }
   std::vector<Plan> plans;
   std::vector<Chosen> chosen;
-  const auto names = options.scenarios.empty() ? scenario_names(catalogue::scenario_folder()) : options.scenarios;
+  const auto names = options.scenarios.empty() ? shipped_scenarios() : options.scenarios;
   for (const std::string& name : names) {
     const Scenario scenario = options.settings.read(name);
     if (std::ranges::any_of(plans, [&](const Plan& plan) { return plan.evaluator.scenario().name == scenario.name; })) {

@@ -4,13 +4,11 @@
 #include <map>
 
 #include "catalogue/evaluation.hpp"
-#include "catalogue/paths.hpp"
 #include "cli/commands.hpp"
 #include "cli/flags.hpp"
 #include "cli/progress.hpp"
 #include "cli/settings.hpp"
 #include "measure/metrics.hpp"
-#include "model/find_scenario.hpp"
 #include "output/checks.hpp"
 #include "output/summary.hpp"
 
@@ -75,7 +73,7 @@ std::vector<const catalogue::Method*> methods_of_tolerances(const Scenario& scen
 
 int check(const Options& options) {
   std::vector<Scenario> scenarios;
-  const auto names = options.scenarios.empty() ? scenario_names(catalogue::scenario_folder()) : options.scenarios;
+  const auto names = options.scenarios.empty() ? shipped_scenarios() : options.scenarios;
   std::vector<Chosen> chosen;
   for (const std::string& name : names) {
     scenarios.push_back(options.settings.read(name));

@@ -43,7 +43,7 @@ Runs run_scenarios(Laboratory& laboratory, const Options& options) {
     const catalogue::Method* method;
   };
   std::vector<Pair> plan;
-  const std::vector<std::string> names = scenario_names(catalogue::scenario_folder());
+  const std::vector<std::string> names = shipped_scenarios();
   std::map<std::string, ResultFolder> folders;
   for (const std::string& name : names) {
     const auto methods = chosen_methods({}, laboratory.scenario(name));

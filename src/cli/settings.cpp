@@ -11,6 +11,7 @@
 #include "odeval/error.hpp"
 #include "odeval/metrics.hpp"
 #include "output/number.hpp"
+#include "reference/providers.hpp"
 
 namespace odeval::cli {
 namespace {
@@ -157,6 +158,22 @@ std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::stri
   if (!missing.empty()) std::cerr << "odeval: " << scenario.name << ": left out: " << missing << "; " << why << '\n';
   if (chosen.empty()) throw UserError(scenario.file + ": methods: names none to run; give --method M[,M...]");
   return chosen;
+}
+
+std::vector<std::string> shipped_scenarios() {
+  const std::filesystem::path folder = catalogue::scenario_folder();
+  std::vector<std::string> names = scenario_names(folder);
+  std::erase_if(names, [&](const std::string& name) {
+    const Scenario scenario = read_scenario(find_scenario(name, folder), {}, known_names());
+    try {
+      reference::provider_for(scenario);
+      return false;
+    } catch (const UserError& why) {
+      std::cerr << "odeval: " << name << ": left out: " << why.what() << '\n';
+      return true;
+    }
+  });
+  return names;
 }
 
 Names known_names() {

@@ -62,4 +62,8 @@ std::filesystem::path scenario_file(const std::string& name_or_path);
 /// The words a scenario file may use for methods and metrics, from the catalogues.
 Names known_names();
 
+/// Names of the scenarios that come with the program and that this build has a reference for; of the others a line each
+/// on standard error says why they are left out.
+std::vector<std::string> shipped_scenarios();
+
 }  // namespace odeval::cli

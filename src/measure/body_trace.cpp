@@ -68,12 +68,21 @@ double squared_difference(const std::array<Column, N>& a, const std::array<Colum
   return sum;
 }
 
-/// How far a joint is open, by what lies between its halves.
+/// How far a joint is open, by what lies between its halves and how its first body is turned against t = 0.
 struct Gap {
   const Vec3& between;
+  const Rotation& now;
+  const Rotation& start;
 
+  double operator()(const SliderJoint& slider) const {
+    const Rotation back{start[0], start[3], start[6], start[1], start[4], start[7], start[2], start[5], start[8]};
+    const Vec3 axis = turned(now, turned(back, slider.axis));
+    return length(between - dot(between, axis) * axis);
+  }
   double operator()(const BallJoint&) const { return length(between); }
   double operator()(const HingeJoint&) const { return length(between); }
+  double operator()(const UniversalJoint&) const { return length(between); }
+  double operator()(const FixedJoint&) const { return length(between); }
 };
 
 /// A joint's halves: one on the first body; the other on the second, or in the world.
@@ -81,14 +90,15 @@ class JointHalves {
  public:
   /// As the bodies stand at t = 0, when the first body's half stands away from the anchor by the opening.
   JointHalves(const Joint& joint, const std::vector<Body>& starts, std::span<const BodyState> bodies)
-      : joint_(joint), anchor_(anchor_m(joint.kind)) {
+      : joint_(joint), anchor_(anchor_m(joint.kind)), start_(bodies[joint.first].rotation) {
     arms_[0] = in_body(anchor_ - starts[joint.first].position_m + joint.opening_m, bodies[joint.first]);
     if (joint.second) arms_[1] = in_body(anchor_ - starts[*joint.second].position_m, bodies[*joint.second]);
   }
 
   double gap(std::span<const BodyState> bodies) const {
     const Vec3 other = joint_.second ? half(1, bodies[*joint_.second]) : anchor_;
-    return std::visit(Gap{half(0, bodies[joint_.first]) - other}, joint_.kind);
+    const BodyState& first = bodies[joint_.first];
+    return std::visit(Gap{half(0, first) - other, first.rotation, start_}, joint_.kind);
   }
 
  private:
@@ -103,6 +113,7 @@ class JointHalves {
   Joint joint_;
   Vec3 anchor_;
   std::array<Vec3, 2> arms_{};  // body frame
+  Rotation start_;              // of the first body
 };
 
 /// Fills the columns of a trace, one sample after the other.

@@ -38,6 +38,9 @@ void add_body(Section section, const BodyTable& body) {
       .add("velocity", body.velocity_m_s)
       .add("spin", body.spin_rad_s)
       .add("aspect", body.aspect);
+  if (!body.name.empty()) section.add("name", body.name);
+  if (body.inertia_kgm2)
+    section.add("inertia", std::vector<double>(body.inertia_kgm2->begin(), body.inertia_kgm2->end()));
 }
 
 void add_ground(Section section, const GroundTable& ground, bool friction) {
@@ -51,7 +54,16 @@ void add_joint(Section section, const JointTable& joint) {
   section.add("kind", std::string(joint.kind->word))
       .add("anchor", joint.anchor_m)
       .add("displacement", joint.displacement_m);
-  if (joint.kind->axis) section.add("axis", joint.axis);
+  if (joint.kind->axes > 0) section.add("axis", joint.axis);
+}
+
+void add_joint_of_tree(Section section, const JointTable& joint) {
+  section.add("kind", std::string(joint.kind->word))
+      .add("parent", joint.parent)
+      .add("child", joint.child)
+      .add("anchor", joint.anchor_m);
+  if (joint.kind->axes > 0) section.add("axis", joint.axis);
+  if (joint.kind->axes > 1) section.add("axis2", joint.axis2);
 }
 
 }  // namespace
@@ -63,6 +75,8 @@ Definition definition_of(const Description& said) {
   for (const Link& link : said.links) add_link({all, fmt::format("links.{}", number++)}, link);
   number = 0;
   for (const BodyTable& body : said.bodies) add_body({all, fmt::format("bodies.{}", number++)}, body);
+  number = 0;
+  for (const JointTable& joint : said.joints) add_joint_of_tree({all, fmt::format("joints.{}", number++)}, joint);
   if (said.ground) add_ground({all, "ground"}, *said.ground, said.problem->friction);
   if (said.joint) add_joint({all, "joint"}, *said.joint);
   if (said.wall) {

@@ -1,6 +1,9 @@
 #pragma once
 // What a scenario file says, in its own words, before a generator makes a mechanism of it.
+#include <array>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "model/problems.hpp"
@@ -17,7 +20,9 @@ struct BodyTable {
   Vec3 turn_rad{};      // rotation vector
   Vec3 velocity_m_s{};  // of its centre
   Vec3 spin_rad_s{};
-  double aspect = 1;  // by how much the sides x and y are divided
+  double aspect = 1;                                       // by how much the sides x and y are divided
+  std::string name = {};                                   // empty: "body" and its number, from 1
+  std::optional<std::array<double, 6>> inertia_kgm2 = {};  // xx, yy, zz, xy, xz, yz about its own axes; absent: uniform
 };
 
 /// [ground]: a plane through the origin that falls towards +x.
@@ -31,11 +36,15 @@ struct GroundTable {
 struct JointWord;  // model/joint_kinds.hpp
 
 /// [joint]: what holds the first body, to the world where it is alone, to the second where there are two.
+/// Or one table [[joints]], which says itself what it holds to what.
 struct JointTable {
   const JointWord* kind = nullptr;
   Vec3 anchor_m{};        // where its halves meet when it is closed
   Vec3 axis{0, 1, 0};     // of a kind that has one
+  Vec3 axis2{1, 0, 0};    // of a kind that has two
   Vec3 displacement_m{};  // from there to the first body's half at t = 0
+  std::string parent;     // names of bodies, or of the parent "world"
+  std::string child;
 };
 
 struct Description {
@@ -48,6 +57,10 @@ struct Description {
   std::vector<BodyTable> bodies;
   std::optional<GroundTable> ground;
   std::optional<JointTable> joint;
+  std::vector<JointTable> joints;
+
+  /// The body of that name; nothing without one.
+  std::optional<std::size_t> body_named(std::string_view name) const;
 };
 
 }  // namespace odeval

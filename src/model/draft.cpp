@@ -64,4 +64,14 @@ void Draft::refuse(const char* section, const char* key) const {
   fail(joined(section, key), "", fmt::format("has no meaning for {}; remove it", said.problem->name));
 }
 
+void Draft::refuse_in(const char* list, const char* key) const {
+  const toml::array* const tables = tree[list].as_array();
+  for (std::size_t i = 0; tables != nullptr && i < tables->size(); ++i) {
+    const toml::table* const table = (*tables)[i].as_table();
+    if (table == nullptr || !table->contains(key)) continue;
+    fail(fmt::format("{}.{}.{}", list, i, key), "",
+         fmt::format("has no meaning for {}; remove it", said.problem->name));
+  }
+}
+
 }  // namespace odeval

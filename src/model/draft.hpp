@@ -29,6 +29,7 @@ struct Draft {
   /// Fails for a key or a table that another kind of problem has.
   void refuse(const char* key) const;
   void refuse(const char* section, const char* key) const;
+  void refuse_in(const char* list, const char* key) const;
 };
 
 /// "ode.erp"; without a section the name alone.
@@ -54,6 +55,9 @@ void settle_bodies(Draft& draft);
 
 /// A pendulum that starts clear of its wall.
 void check_start_of_links(const Draft& draft);
+
+/// Joints between bodies with names: a tree that its start fits. Axes become unit ones.
+void settle_joints(Draft& draft);
 
 /// Bodies where they start in the world: laid on the ground, pulled out of the joint, which is checked before.
 void place_bodies(Draft& draft);

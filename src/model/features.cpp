@@ -6,7 +6,7 @@
 namespace odeval {
 namespace {
 
-constexpr std::array<std::string_view, 12> names{
+constexpr std::array<std::string_view, 13> names{
     "bodies in space",
     "more than one link",
     "more than two links",
@@ -16,6 +16,7 @@ constexpr std::array<std::string_view, 12> names{
     "friction",
     "friction of a constant force",
     "joints of bodies in space",
+    "joints that start open",
     "motors",
     "stops",
     "inertia tensors of their own",
@@ -53,6 +54,7 @@ Features features_of(const Scenario& scenario) {
     asked.add(contact.friction->model == FrictionModel::constant ? Feature::constant_friction : Feature::friction);
   }
   for (const Joint& joint : mechanism.joints) {
+    if (joint.opening_m != Vec3{}) asked.add(Feature::open_joints);
     if (joint.motor) asked.add(Feature::motors);
     if (joint.stop) asked.add(Feature::stops);
   }

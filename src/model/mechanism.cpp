@@ -52,6 +52,48 @@ const Vec3& anchor_m(const JointKind& kind) {
   return std::visit([](const auto& joint) -> const Vec3& { return joint.anchor_m; }, kind);
 }
 
+Freedom freedom_of(const JointKind& kind) {
+  const std::vector<Vec3> all{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  return std::visit(Overloaded{[&](const BallJoint&) {
+                                 return Freedom{{}, all};
+                               },
+                               [](const HingeJoint& hinge) {
+                                 return Freedom{{}, {hinge.axis}};
+                               },
+                               [](const SliderJoint& slider) {
+                                 return Freedom{{slider.axis}, {}};
+                               },
+                               [](const UniversalJoint& cross) {
+                                 return Freedom{{}, {cross.axis1, cross.axis2}};
+                               },
+                               [](const FixedJoint&) { return Freedom{}; }},
+                    kind);
+}
+
+Misfit misfit_of(const Mechanism& mechanism, const Joint& joint) {
+  const auto minus = [](Vec3 vector, const std::vector<Vec3>& free) {
+    for (const Vec3& direction : free) vector = vector - dot(vector, direction) * direction;
+    return length(vector);
+  };
+  const Body& first = mechanism.bodies[joint.first];
+  const Body world{};
+  const Body& second = joint.second ? mechanism.bodies[*joint.second] : world;
+  const auto at_anchor = [&](const Body& body) {
+    return body.velocity_m_s + cross(body.spin_rad_s, anchor_m(joint.kind) - body.position_m);
+  };
+  const Freedom free = freedom_of(joint.kind);
+  return {minus(at_anchor(first) - at_anchor(second), free.ways),
+          minus(first.spin_rad_s - second.spin_rad_s, free.turns)};
+}
+
+double allowed_misfit(const Mechanism& mechanism) {
+  double fastest = 1;
+  for (const Body& body : mechanism.bodies) {
+    fastest = std::max({fastest, length(body.velocity_m_s), length(body.spin_rad_s)});
+  }
+  return 1e-9 * fastest;
+}
+
 bool Contact::is_between(std::string_view a, std::string_view b) const {
   const auto is = [](const std::string& named, std::string_view name) { return named.empty() || named == name; };
   return (is(first, a) && is(second, b)) || (is(first, b) && is(second, a));

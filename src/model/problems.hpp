@@ -17,6 +17,7 @@ struct Problem {
   bool ground = false;    // [ground]: bodies lie on it
   bool friction = false;  // of a ground: whether it holds what slides on it
   bool joint = false;     // [joint]: holds the first body
+  bool joints = false;    // [[joints]]: hold bodies with names on one another and on the world
 };
 
 /// Report C.2: boxes hang along -z of their own frame and turn about x.
@@ -66,6 +67,12 @@ inline constexpr std::array problems{
             .links = 0,
             .frame = space_frame,
             .joint = true},
+    Problem{.name = "mechanism",
+            .summary = "bodies on joints of any kind, as a tree; beside a reference in generalized coordinates",
+            .planar = false,
+            .links = 0,
+            .frame = space_frame,
+            .joints = true},
 };
 
 }  // namespace odeval

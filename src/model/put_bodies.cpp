@@ -7,6 +7,12 @@
 namespace odeval {
 namespace {
 
+std::optional<std::array<double, 9>> tensor_of(const BodyTable& table) {
+  if (!table.inertia_kgm2) return std::nullopt;
+  const auto [xx, yy, zz, xy, xz, yz] = *table.inertia_kgm2;
+  return std::array{xx, xy, xz, xy, yy, yz, xz, yz, zz};
+}
+
 Body body_of(const BodyTable& table, std::size_t number) {
   const Shape shape = table.sphere ? Shape(Sphere{table.size_m[0]}) : Shape(Box{table.size_m});
   return {.shape = shape,
@@ -15,7 +21,8 @@ Body body_of(const BodyTable& table, std::size_t number) {
           .attitude = table.turn_rad,
           .velocity_m_s = table.velocity_m_s,
           .spin_rad_s = table.spin_rad_s,
-          .name = "body" + std::to_string(number)};
+          .inertia_kgm2 = tensor_of(table),
+          .name = table.name.empty() ? "body" + std::to_string(number) : table.name};
 }
 
 Joint joint_of(const JointTable& table, bool pair) {
@@ -23,6 +30,14 @@ Joint joint_of(const JointTable& table, bool pair) {
           .first = 0,
           .second = pair ? std::optional<std::size_t>(1) : std::nullopt,
           .opening_m = table.displacement_m};
+}
+
+/// The parent is the joint's first body, or its second where it is the world, which is never the first.
+Joint joint_of_tree(const Description& said, const JointTable& table) {
+  const std::size_t child = said.body_named(table.child).value();
+  const std::optional<std::size_t> parent = said.body_named(table.parent);
+  if (!parent) return {.kind = table.kind->make(table), .first = child, .second = {}};
+  return {.kind = table.kind->make(table), .first = *parent, .second = child};
 }
 
 void put_ground(Scenario& scenario, const GroundTable& table, bool friction) {
@@ -52,6 +67,9 @@ void put_bodies(Scenario& scenario, const Description& description) {
   for (const BodyTable& table : description.bodies) scenario.mechanism.bodies.push_back(body_of(table, ++number));
   if (description.joint) {
     scenario.mechanism.joints.push_back(joint_of(*description.joint, description.bodies.size() > 1));
+  }
+  for (const JointTable& table : description.joints) {
+    scenario.mechanism.joints.push_back(joint_of_tree(description, table));
   }
   if (description.ground) put_ground(scenario, *description.ground, description.problem->friction);
 }

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <string>
 #include <vector>
 
@@ -64,12 +65,22 @@ std::string word_of(const Draft& draft, const KeyRow& row, const toml::node& nod
   draft.fail(path, shown(node), fmt::format("is not known (nearest: '{}')", nearest(*word, allowed)));
 }
 
+std::string name_of(const Draft& draft, const KeyRow& row, const toml::node& node, const std::string& path) {
+  constexpr std::size_t longest = 40;
+  const auto name = node.value<std::string>();
+  const auto plain = [](unsigned char letter) { return std::isalnum(letter) != 0 || letter == '_' || letter == '-'; };
+  if (name && !name->empty() && name->size() <= longest && std::ranges::all_of(*name, plain)) return *name;
+  draft.fail(path, shown(node), rule_of(row, draft.names));
+}
+
 KeyValue value_of(const Draft& draft, const KeyRow& row, const toml::node& node, const std::string& path) {
   KeyValue value;
   if (row.kind == KeyKind::number || row.kind == KeyKind::whole) {
     value.number = number_of(draft, row, node, path);
   } else if (row.kind == KeyKind::word) {
     value.word = word_of(draft, row, node, path);
+  } else if (row.kind == KeyKind::name) {
+    value.word = name_of(draft, row, node, path);
   } else {
     const toml::array* list = node.as_array();
     if (list == nullptr || (row.count != 0 && list->size() != row.count)) {
@@ -125,6 +136,8 @@ void read_section(Draft& draft, const SectionRow& section, const toml::node& nod
       draft.said.links.emplace_back();
     } else if (name == "bodies") {
       draft.said.bodies.emplace_back();
+    } else if (name == "joints") {
+      draft.said.joints.emplace_back();
     } else {
       draft.scenario.tolerances.emplace_back();
     }

@@ -29,12 +29,18 @@ void check_name(const Scenario& scenario) {
 /// Wall, ground and joint: there if the problem has them, and no others.
 void check_sections(const Draft& draft) {
   const Problem& problem = *draft.said.problem;
-  for (const auto& [section, needed] :
-       {std::pair{"wall", problem.wall}, std::pair{"ground", problem.ground}, std::pair{"joint", problem.joint}}) {
+  for (const auto& [section, needed] : {std::pair{"wall", problem.wall}, std::pair{"ground", problem.ground},
+                                        std::pair{"joint", problem.joint}, std::pair{"joints", problem.joints}}) {
     if (needed && !draft.tree.contains(section)) {
-      draft.fail(section, "", fmt::format("is missing; {} needs [{}]", problem.name, section));
+      const bool list = section == std::string_view("joints");
+      draft.fail(section, "",
+                 fmt::format("is missing; {} needs {}", problem.name,
+                             list ? fmt::format("[[{}]]", section) : fmt::format("[{}]", section)));
     }
     if (!needed) draft.refuse(section);
+  }
+  if (!problem.joints) {
+    for (const char* key : {"name", "inertia"}) draft.refuse_in("bodies", key);
   }
   if (problem.ground && !problem.friction) {
     for (const char* key : {"friction", "friction_model"}) draft.refuse("ground", key);

@@ -28,6 +28,13 @@ std::vector<std::string> joint_names(const Names&) {
   for (const JointWord& kind : joint_words) names.emplace_back(kind.word);
   return names;
 }
+std::vector<std::string> sprung_joint_names(const Names&) {
+  std::vector<std::string> names;
+  for (const JointWord& kind : joint_words) {
+    if (kind.sprung) names.emplace_back(kind.word);
+  }
+  return names;
+}
 const JointWord* joint_named(const std::string& word) { return std::ranges::find(joint_words, word, &JointWord::word); }
 std::vector<std::string> start_names(const Names&) { return {"as-given", "half-step"}; }
 std::vector<std::string> switch_names(const Names&) { return {"on", "off"}; }
@@ -53,6 +60,7 @@ constexpr auto whole = KeyKind::whole;
 constexpr auto numbers = KeyKind::numbers;
 constexpr auto word = KeyKind::word;
 constexpr auto words = KeyKind::words;
+constexpr auto label = KeyKind::name;
 
 // The ranges are generous, yet keep every quantity ODE forms before its first step a normal number in single precision:
 // the least moment of inertia is 1e-6 (1e-4)^2 / 6 = 2e-15 kg m^2, 1/h^2 is at most 1e14. At all their corners ODE
@@ -116,6 +124,24 @@ constexpr KeyRow rows[] = {
   {"bodies", "aspect",   number,  "",      1, 1e4,     false, nullptr, "1", "length over thickness: divides the sides x and y of size",
       [](D& d, S&, const V& v) { d.bodies.back().aspect = v.number; }},
 
+  {"bodies", "name",     label,   "",      0, 0,       false, nullptr, "body and its number", "by which [[joints]] know it",
+      [](D& d, S&, const V& v) { d.bodies.back().name = v.word; }},
+  {"bodies", "inertia",  numbers, "kg m²", -1e9, 1e9,  false, nullptr, "that of a uniform solid", "xx, yy, zz, xy, xz, yz of the tensor about the centre, along the body's own axes",
+      [](D& d, S&, const V& v) { std::ranges::copy(v.numbers, d.bodies.back().inertia_kgm2.emplace().begin()); }, 6},
+
+  {"joints", "kind",     word,    "",      0, 0,       false, joint_names, "", "what it holds, and what it leaves free",
+      [](D& d, S&, const V& v) { d.joints.back().kind = joint_named(v.word); }},
+  {"joints", "parent",   label,   "",      0, 0,       false, nullptr, "", "name of the body that carries, or world",
+      [](D& d, S&, const V& v) { d.joints.back().parent = v.word; }},
+  {"joints", "child",    label,   "",      0, 0,       false, nullptr, "", "name of the body that is carried",
+      [](D& d, S&, const V& v) { d.joints.back().child = v.word; }},
+  {"joints", "anchor",   numbers, "m",     -1e4, 1e4,  false, nullptr, "0", "where the joint is at t = 0",
+      [](D& d, S&, const V& v) { d.joints.back().anchor_m = vector(v); }, 3},
+  {"joints", "axis",     numbers, "",      -1e3, 1e3,  false, nullptr, "[0, 1, 0]", "of a hinge, a slider or, fixed in the parent, a universal joint; in the world at t = 0",
+      [](D& d, S&, const V& v) { d.joints.back().axis = vector(v); }, 3},
+  {"joints", "axis2",    numbers, "",      -1e3, 1e3,  false, nullptr, "[1, 0, 0]", "of a universal joint, fixed in the child, at right angles to the other; likewise",
+      [](D& d, S&, const V& v) { d.joints.back().axis2 = vector(v); }, 3},
+
   {"ground", "slope",       number, "rad", -1.5, 1.5, false, nullptr, "0", "how steeply the ground falls towards +x",
       [](D& d, S&, const V& v) { d.ground->slope_rad = v.number; }},
   {"ground", "restitution", number, "",    0, 1,      false, nullptr, "0", "speed after an impact over speed before",
@@ -125,7 +151,7 @@ constexpr KeyRow rows[] = {
   {"ground", "friction_model", word, "",   0, 0,      false, friction_models, "pyramid", "what bounds friction: the normal force, or a constant",
       [](D& d, S&, const V& v) { d.ground->friction_model = v.word == "constant" ? FrictionModel::constant : FrictionModel::pyramid; }},
 
-  {"joint", "kind",         word,    "",  0, 0,      false, joint_names, "", "of the first body to the world, or to the second where there are two",
+  {"joint", "kind",         word,    "",  0, 0,      false, sprung_joint_names, "", "of the first body to the world, or to the second where there are two",
       [](D& d, S&, const V& v) { d.joint->kind = joint_named(v.word); }},
   {"joint", "anchor",       numbers, "m", -1e4, 1e4, false, nullptr, "0", "where the joint is when it is closed",
       [](D& d, S&, const V& v) { d.joint->anchor_m = vector(v); }, 3},
@@ -181,8 +207,9 @@ constexpr KeyRow rows[] = {
 };
 // clang-format on
 
-constexpr SectionRow sections[] = {{"links", true},  {"wall", false}, {"bodies", true},   {"ground", false},
-                                   {"joint", false}, {"ode", false},  {"maximal", false}, {"tolerances", true}};
+constexpr SectionRow sections[] = {{"links", true},  {"wall", false},    {"bodies", true},
+                                   {"joints", true}, {"ground", false},  {"joint", false},
+                                   {"ode", false},   {"maximal", false}, {"tolerances", true}};
 
 }  // namespace
 
@@ -214,6 +241,8 @@ std::string rule_of(const KeyRow& row, const Names& names) {
     case KeyKind::numbers:
       return fmt::format("must be a list of {}numbers {}{}", row.count == 0 ? "" : fmt::format("{} ", row.count), range,
                          unit);
+    case KeyKind::name:
+      return "must be a name of at most 40 letters, digits, '_' and '-'";
     case KeyKind::word:
     case KeyKind::words:
       break;

@@ -23,7 +23,7 @@ struct KeyValue {
   std::vector<std::string> words;
 };
 
-enum class KeyKind { number, whole, numbers, word, words };
+enum class KeyKind { number, whole, numbers, word, words, name };
 
 struct KeyRow {
   std::string_view section;  // "" for the top of the file, or the name of a table
@@ -33,7 +33,7 @@ struct KeyRow {
   double least;     // of a number, or of each number of a list
   double greatest;  // infinite: `inf` is a value
   bool ends_excluded;
-  std::vector<std::string> (*allowed)(const Names&);  // of words; null for numbers
+  std::vector<std::string> (*allowed)(const Names&);  // of words; null for all else
   std::string_view fallback;                          // what holds without the key; empty: the key must be there
   std::string_view meaning;
   void (*put)(Description&, Scenario&, const KeyValue&);  // for a list of tables: into its last element

@@ -226,6 +226,8 @@ std::string_view words_of(Feature feature) {
       return "friction of a constant force";
     case Feature::joints_in_space:
       return "joints of bodies in space";
+    case Feature::open_joints:
+      return "joints that start open";
     case Feature::motors:
       return "motors";
     case Feature::stops:
@@ -264,8 +266,9 @@ void files_ask_for_what_they_hold() {
       {"bouncing_ball", {Feature::space, Feature::ground}},
       {"bouncing_balls", {Feature::space, Feature::ground}},
       {"friction_slide", {Feature::space, Feature::ground, Feature::friction}},
-      {"spring_joint", {Feature::space, Feature::joints_in_space}},
-      {"open_hinge", {Feature::space, Feature::joints_in_space}},
+      {"spring_joint", {Feature::space, Feature::joints_in_space, Feature::open_joints}},
+      {"open_hinge", {Feature::space, Feature::joints_in_space, Feature::open_joints}},
+      {"three_link_arm", {Feature::space, Feature::joints_in_space, Feature::inertia}},
   };
   Names names{catalogue::method_names(), {}};
   for (const Quantity& row : quantities) names.metrics.emplace_back(row.name);

@@ -17,6 +17,9 @@ const Body box{.shape = Box{{0.1, 0.2, 0.3}}, .mass_kg = 2};
 const Body ball{.shape = Sphere{0.1}, .mass_kg = 2, .position_m = {0, 0, 1}};
 const Joint pin{.kind = HingeJoint{}, .second = {}};
 
+/// A build without Simbody knows no trees of bodies.
+const bool with_trees = reference::mechanism_cvode != nullptr;
+
 std::string method_for(const Scenario& scenario) { return std::string(reference::provider_for(scenario).method); }
 
 Scenario of_bodies(std::vector<Body> bodies, std::vector<Joint> joints = {}) {
@@ -47,6 +50,9 @@ void what_is_known() {
   CHECK_EQUAL(method_for(of_bodies({box}, {pin})), "analytic");
   CHECK_EQUAL(method_for(of_bodies({box, box}, {Joint{.kind = BallJoint{}, .second = 1}})), "analytic");
   CHECK_EQUAL(method_for(on_plane({ball, ball}, {})), "analytic");
+  Body swinging = box;
+  swinging.position_m = {1, 0, 0};
+  if (with_trees) CHECK_EQUAL(method_for(of_bodies({swinging}, {pin})), "mechanism-cvode");  // no spring's motion
   CHECK_EQUAL(method_for(on_plane({box}, Friction{0.3})), "analytic");
   for (const std::size_t links : {1U, 2U, 3U, 20U}) {
     for (const LinkShape shape : {LinkShape::box, LinkShape::sphere}) {
@@ -69,14 +75,33 @@ void what_is_not() {
   const Change tensor = [](Scenario& s) { s.mechanism.bodies[0].inertia_kgm2 = {1, 0, 0, 0, 1, 0, 0, 0, 1}; };
   refused(of_bodies({box}, {pin}), motor, "bodies.toml: there is no reference: the references have no motors");
   refused(of_bodies({box}, {pin}), stop, "the references have no stops");
-  refused(of_bodies({box}), tensor, "the references have no inertia tensors of their own");
   refused(chain(2, LinkShape::box), motor, "chain.toml: there is no reference: the references have no motors");
-  refused(chain(2, LinkShape::box), tensor, "the references have no inertia tensors of their own");
 
   const char* const together = "there is no reference for these bodies, joints and contacts together";
   refused(of_bodies({}), nothing, together);
-  refused(of_bodies({box, box}, {pin}), nothing, together);  // the second is free
-  refused(of_bodies({box, box}, {pin, Joint{.kind = BallJoint{}, .second = 1}}), nothing, together);
+  const Joint knee{.kind = BallJoint{}, .second = 1};
+  for (const auto& [trees, change] :
+       {std::pair{of_bodies({box}), tensor}, std::pair{of_bodies({box, box}, {pin}), nothing},
+        std::pair{of_bodies({box, box}, {pin, knee}), nothing},
+        std::pair{of_bodies({box}, {Joint{.kind = SliderJoint{}, .second = {}}}), nothing}}) {
+    if (with_trees) {
+      Scenario scenario = trees;
+      change(scenario);
+      CHECK_EQUAL(method_for(scenario), "mechanism-cvode");
+    } else {
+      refused(trees, change, "there is no reference");
+    }
+  }
+  // A loop, and joints that start open.
+  refused(of_bodies({box, box}, {pin, knee, Joint{.kind = BallJoint{}, .first = 1, .second = {}}}), nothing, together);
+  refused(
+      of_bodies({box, box}, {pin, knee}),
+      [](Scenario& s) {
+        s.mechanism.joints[1].opening_m = {0, 0, 0.1};
+      },
+      together);
+  refused(chain(2, LinkShape::box), tensor,
+          with_trees ? together : "the references have no inertia tensors of their own");
   refused(
       on_plane({ball}, {}), [](Scenario& s) { s.mechanism.joints = {pin}; }, together);
   refused(

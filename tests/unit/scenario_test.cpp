@@ -25,7 +25,7 @@ const fs::path shipped = fs::path(ODEVAL_SOURCE_DIR) / "scenarios";
 const Names names{
     {"ode-step-double", "ode-step-single", "ode-quickstep-double", "ode-quickstep-single", "ode-rk4-double",
      "lagrange-cvode", "lagrange-quad", "lagrange-ode45", "lagrange-rk4", "lagrange-euler", "lagrange-symplectic-euler",
-     "dh-ode45", "maximal-euler", "maximal-rk4", "maximal-ode-step", "analytic"},
+     "dh-ode45", "maximal-euler", "maximal-rk4", "maximal-ode-step", "mechanism-cvode", "analytic"},
     [] {
       std::vector<std::string> all;
       for (const Quantity& row : quantities) all.emplace_back(row.name);

@@ -87,6 +87,33 @@ struct MakeJoint {
     dJointSetHingeAxis(joint, real(hinge.axis[0]), real(hinge.axis[1]), real(hinge.axis[2]));
     return joint;
   }
+
+  dJointID operator()(const SliderJoint& slider) const {
+    const auto& [x, y, z] = slider.axis;
+    const dJointID joint = dJointCreateSlider(world, nullptr);
+    dJointAttach(joint, first, second);
+    dJointSetSliderAxis(joint, real(x), real(y), real(z));
+    return joint;
+  }
+
+  dJointID operator()(const UniversalJoint& cross) const {
+    const auto& [x, y, z] = cross.anchor_m;
+    const auto& [x1, y1, z1] = cross.axis1;
+    const auto& [x2, y2, z2] = cross.axis2;
+    const dJointID joint = dJointCreateUniversal(world, nullptr);
+    dJointAttach(joint, first, second);
+    dJointSetUniversalAnchor(joint, real(x), real(y), real(z));
+    dJointSetUniversalAxis1(joint, real(x1), real(y1), real(z1));
+    dJointSetUniversalAxis2(joint, real(x2), real(y2), real(z2));
+    return joint;
+  }
+
+  dJointID operator()(const FixedJoint&) const {
+    const dJointID joint = dJointCreateFixed(world, nullptr);
+    dJointAttach(joint, first, second);
+    dJointSetFixed(joint);
+    return joint;
+  }
 };
 
 /// Motor and stops, where the kind has an axis for them.
@@ -94,9 +121,10 @@ struct Drive {
   dJointID joint;
   const Joint& what;
 
-  void operator()(const BallJoint&) const {
-    if (what.motor || what.stop) throw Fault("a ball joint has no axis for a motor or a stop");
-  }
+  void operator()(const BallJoint&) const { refuse("a ball joint has no axis for a motor or a stop"); }
+  void operator()(const SliderJoint&) const { refuse("a slider's motors and stops are not given to ODE"); }
+  void operator()(const UniversalJoint&) const { refuse("a universal joint's motors and stops are not given to ODE"); }
+  void operator()(const FixedJoint&) const { refuse("a fixed joint has no axis for a motor or a stop"); }
   void operator()(const HingeJoint&) const {
     if (what.motor) {
       dJointSetHingeParam(joint, dParamVel, real(what.motor->speed_rad_s));
@@ -113,6 +141,11 @@ struct Drive {
       dJointSetHingeParam(joint, dParamHiStop, real(what.stop->high_rad));
       dJointSetHingeParam(joint, dParamBounce, real(what.stop->restitution));
     }
+  }
+
+ private:
+  void refuse(const char* why) const {
+    if (what.motor || what.stop) throw Fault(why);
   }
 };
 

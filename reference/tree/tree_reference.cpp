@@ -1,0 +1,129 @@
+#include "reference/tree/tree_reference.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "odeval/error.hpp"
+#include "reference/closed_form/body_solution.hpp"
+#include "reference/planar/cvode.hpp"
+#include "reference/planar/reference_solution.hpp"
+#include "reference/tree/simbody_tree.hpp"
+#include "reference/tree/spanning_tree.hpp"
+#include "reference/tree/tree_motion.hpp"
+#include "reference/tree/tree_uncertainty.hpp"
+
+namespace odeval::reference {
+namespace {
+
+/// By how much joints correct the velocities at t = 0.
+double start_error(const Scenario& scenario) {
+  const Mechanism& mechanism = scenario.mechanism;
+  double most = 0;
+  for (std::size_t j = 0; j < mechanism.joints.size(); ++j) {
+    const Misfit misfit = misfit_of(mechanism, mechanism.joints[j]);
+    most = std::max({most, misfit.speed_m_s, misfit.spin_rad_s});
+    if (most <= allowed_misfit(mechanism)) continue;
+    throw UserError(
+        fmt::format("{}: joint {} does not allow the velocities of its bodies at t = 0: they part by {:.3g} "
+                    "m/s and {:.3g} rad/s",
+                    scenario.name, j + 1, misfit.speed_m_s, misfit.spin_rad_s));
+  }
+  return most;
+}
+
+class TreeSimulation final : public Simulation {
+ public:
+  TreeSimulation(const Scenario& scenario, const SampleGrid& grid)
+      : grid_(grid),
+        shape_{.bodies = scenario.mechanism.bodies.size(), .joints = scenario.mechanism.joints.size()},
+        equations_(scenario),
+        motion_(equations_, scenario,
+                {scenario.rtol.value_or(tight_tolerances.rtol), scenario.atol.value_or(tight_tolerances.atol), true}) {
+    start_error(scenario);
+  }
+
+  SampleShape shape() const override { return shape_; }
+
+  Outcome run(Recorder recorder) override {
+    for (long row = 0; row < grid_.rows; ++row) {
+      const double t = grid_.time(row);
+      while (motion_.end() < t) motion_.advance();
+      if (!recorder) continue;
+      const double* const y = motion_.at(t).data();
+      const Sample sample = recorder.next();
+      equations_.show(y, sample.bodies);
+      equations_.forces(y, sample.joints);
+    }
+    Outcome outcome;
+    outcome.steps = motion_.steps();
+    outcome.evaluations = motion_.evaluations();
+    return outcome;
+  }
+
+ private:
+  SampleGrid grid_;
+  SampleShape shape_;
+  TreeEquations equations_;
+  TreeMotion motion_;
+};
+
+}  // namespace
+
+bool is_tree(const Scenario& scenario) {
+  const Mechanism& mechanism = scenario.mechanism;
+  return !scenario.planar && (features_of(scenario) - known_of_trees).empty() && !mechanism.bodies.empty() &&
+         spanning_tree(mechanism).has_value();
+}
+
+Reference solve_tree(const Scenario& scenario, const SampleGrid& grid) {
+  return solve_tree(scenario, grid, tight_tolerances, loose_tolerances);
+}
+
+Reference solve_tree(const Scenario& scenario, const SampleGrid& grid, Tolerances tight_run, Tolerances loose_run) {
+  const Mechanism& mechanism = scenario.mechanism;
+  const double off = start_error(scenario);
+  const TreeEquations equations(scenario);
+  TreeMotion tight(equations, scenario, tight_run);
+  TreeMotion loose(equations, scenario, loose_run);
+  TreeUncertainty uncertainty(equations, mechanism, tight_run, off);
+  Motion now({.bodies = mechanism.bodies.size(), .joints = mechanism.joints.size()}, 1);
+  Reference reference;
+  for (long row = 0; row < grid.rows; ++row) {
+    const double t = grid.time(row);
+    while (tight.end() < t) {
+      tight.advance();
+      uncertainty.follow(tight, loose);
+    }
+    const double* const y = tight.at(t).data();
+    equations.show(y, now[0].bodies);
+    equations.forces(y, now[0].joints);
+    append_row(reference, mechanism, t, now[0]);
+  }
+  uncertainty.finish(tight, loose);
+  for (const double t : reference.trace.t) append_uncertainty(reference, uncertainty.at(t));
+  tell_joint_forces(reference, mechanism);
+  reference.origin =
+      fmt::format("equations of a tree by Simbody {}, {}", SimbodyTree::version(), origin_of(tight_run, loose_run));
+  return reference;
+}
+
+std::unique_ptr<Simulation> make_mechanism_cvode(const Scenario& scenario, const SampleGrid& grid) {
+  return std::make_unique<TreeSimulation>(scenario, grid);
+}
+
+// As catalogue/evaluation.cpp has it for chains in a plane: what the joints' own turning adds is left out, since a step
+// that takes old velocities through the joints of a new pose does that itself.
+Scenario tree_half_a_step_earlier(const Scenario& scenario) {
+  SimbodyTree tree(scenario.mechanism, spanning_tree(scenario.mechanism).value(), scenario.gravity);
+  const std::vector<Placed>& then = tree.pushed(-scenario.step_s / 2);
+  Scenario earlier = scenario;
+  for (std::size_t i = 0; i < then.size(); ++i) {
+    earlier.mechanism.bodies[i].velocity_m_s = then[i].velocity_m_s;
+    earlier.mechanism.bodies[i].spin_rad_s = then[i].spin_rad_s;
+  }
+  return earlier;
+}
+
+}  // namespace odeval::reference

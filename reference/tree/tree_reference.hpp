@@ -1,0 +1,28 @@
+#pragma once
+// Trees of bodies, on any joints, in generalized coordinates: the reference, and method mechanism-cvode.
+#include <memory>
+
+#include "odeval/engine.hpp"
+#include "odeval/reference.hpp"
+#include "reference/cvode_solver.hpp"
+
+namespace odeval::reference {
+
+/// What is known of trees.
+inline constexpr Features known_of_trees{Feature::space, Feature::joints_in_space, Feature::inertia};
+
+/// Bodies in space whose joints start closed and close no loop; nothing drives, stops or touches them.
+bool is_tree(const Scenario& scenario);
+
+/// CVODE at the reference's two tolerances, with the bound of tree_uncertainty.hpp on every sample.
+/// Throws UserError when bodies start with velocities that their joints do not allow, MachineError when CVODE gives up.
+Reference solve_tree(const Scenario& scenario, const SampleGrid& grid);
+/// The same at tolerances of choice: for tests, which see the bound at work where rounding does not hide it.
+Reference solve_tree(const Scenario& scenario, const SampleGrid& grid, Tolerances tight, Tolerances loose);
+/// The same as a method: samples of bodies and joints. Takes chains in a plane as well.
+std::unique_ptr<Simulation> make_mechanism_cvode(const Scenario& scenario, const SampleGrid& grid);
+
+/// The scenario with the velocities that its bodies had half a step before the start.
+Scenario tree_half_a_step_earlier(const Scenario& scenario);
+
+}  // namespace odeval::reference

@@ -1,0 +1,179 @@
+#include "reference/tree/tree_uncertainty.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace odeval::reference {
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+// As in reference_solution.cpp.
+constexpr double gain = 2;
+constexpr double bias = 0.2;
+constexpr double known_rad = 1;  // beyond, the bound never falls
+constexpr double lost_rad = 1e6;
+
+/// How far a stride may reach beside the fastest that the motion does: what a transition of third order leaves out is
+/// 0.25^4 / 24, and its swings lose as much of their size.
+constexpr double reach_of_transition = 0.25;
+
+/// Rows of a body in the matrix of slopes_of_bodies: place, attitude and spin, three each.
+constexpr Eigen::Index rows = 9;
+
+/// Central differences of a function from states to vectors: column j is its slope along the state's number j.
+template <class Function>
+Eigen::MatrixXd differences(const Eigen::VectorXd& y, Eigen::Index size, Function&& difference) {
+  Eigen::MatrixXd slopes(size, y.size());
+  for (Eigen::Index j = 0; j < y.size(); ++j) {
+    const double off = std::cbrt(epsilon) * std::fmax(1, std::fabs(y[j]));
+    Eigen::VectorXd above = y;
+    Eigen::VectorXd below = y;
+    above[j] += off;
+    below[j] -= off;
+    slopes.col(j) = difference(above, below) / (above[j] - below[j]);
+  }
+  return slopes;
+}
+
+/// The small turn that leads from one attitude to another, as a rotation vector in the world: (R S^T - S R^T) / 2.
+Vec3 turn_between(const Rotation& to, const Rotation& from) {
+  const auto product = [&](std::size_t i, std::size_t j) {
+    return dot({to[3 * i], to[3 * i + 1], to[3 * i + 2]}, {from[3 * j], from[3 * j + 1], from[3 * j + 2]});
+  };
+  return {(product(2, 1) - product(1, 2)) / 2, (product(0, 2) - product(2, 0)) / 2,
+          (product(1, 0) - product(0, 1)) / 2};
+}
+
+BodyUncertainty larger(const BodyUncertainty& a, const BodyUncertainty& b) {
+  return {std::fmax(a.position_m, b.position_m), std::fmax(a.turn_rad, b.turn_rad),
+          std::fmax(a.spin_rad_s, b.spin_rad_s)};
+}
+
+}  // namespace
+
+TreeUncertainty::TreeUncertainty(const TreeEquations& equations, const Mechanism& mechanism, Tolerances tolerances,
+                                 double start_error)
+    : equations_(equations), mechanism_(mechanism), tolerances_(tolerances) {
+  const std::vector<double>& start = equations.start();
+  const Vector y = Eigen::Map<const Vector>(start.data(), static_cast<Eigen::Index>(start.size()));
+  const Vector error = (epsilon * (1 + y.array().abs()) + start_error).matrix();
+  independent_ = aligned_ = Matrix(error.array().square().matrix().asDiagonal());
+  slopes_ = slopes(y);
+  strides_.push_back({0, bound(y)});
+}
+
+void TreeUncertainty::follow(TreeMotion& tight, TreeMotion& loose) {
+  ++steps_;
+  if (tight.end() - strides_.back().end_s >= longest_s_) finish(tight, loose);
+}
+
+void TreeUncertainty::finish(TreeMotion& tight, TreeMotion& loose) {
+  const double t = tight.end();
+  if (t <= strides_.back().end_s) return;
+  if (strides_.back().bound.turn_rad >= lost_rad) {  // nothing is known, and never will be
+    strides_.push_back({t, strides_.back().bound});
+    return;
+  }
+  const auto vector = [](const TreeMotion::State& state) {
+    return Vector(Eigen::Map<const Vector>(state.data(), static_cast<Eigen::Index>(state.size())));
+  };
+  const Vector y = vector(tight.at(t));
+  stride(y, t);
+  while (loose.end() < t) loose.advance();
+  compare(y, vector(loose.at(t)));
+  BodyUncertainty now = bound(y);
+  if (strides_.back().bound.turn_rad > known_rad) now = larger(now, strides_.back().bound);
+  strides_.push_back({t, now});
+  steps_ = 0;
+}
+
+/// Carries both ellipsoids on and adds the errors of the steps.
+void TreeUncertainty::stride(const Vector& y, double end_s) {
+  const Matrix before = std::exchange(slopes_, slopes(y));
+  const Matrix step = (end_s - strides_.back().end_s) / 2 * (before + slopes_);
+  const Matrix one = Matrix::Identity(y.size(), y.size());
+  const Matrix map = one + step * (one + step / 2 * (one + step / 3));
+  const double fastest = std::sqrt((slopes_ * slopes_).cwiseAbs().colwise().sum().maxCoeff());  // 1/s
+  longest_s_ = fastest > 0 ? reach_of_transition / fastest : 0;
+
+  const Vector error = step_error(y);
+  independent_ = map * independent_ * map.transpose();
+  independent_.diagonal() += steps_ * error.cwiseAbs2();
+  aligned_ = map * aligned_ * map.transpose();
+  // The ellipsoid about the sums of both, as Ellipsoid::add_aligned has it.
+  const Vector added = steps_ * error;
+  const double ratio = std::sqrt(added.squaredNorm() / aligned_.trace());
+  aligned_ *= 1 + ratio;
+  aligned_.diagonal() += (1 + 1 / ratio) * added.cwiseAbs2();
+}
+
+void TreeUncertainty::compare(const Vector& tight, const Vector& loose) {
+  const Vector reach = independent_.diagonal().cwiseSqrt();
+  factor_ = std::fmax(factor_, ((tight - loose).cwiseAbs().cwiseQuotient(reach)).maxCoeff() / gain);
+}
+
+TreeUncertainty::Matrix TreeUncertainty::slopes(const Vector& y) const {
+  Vector high(y.size());
+  Vector low(y.size());
+  return differences(y, y.size(), [&](const Vector& above, const Vector& below) -> Vector {
+    equations_(above.data(), high.data());
+    equations_(below.data(), low.data());
+    return high - low;
+  });
+}
+
+TreeUncertainty::Matrix TreeUncertainty::slopes_of_bodies(const Vector& y) const {
+  const std::size_t bodies = mechanism_.bodies.size();
+  std::vector<BodyState> high(bodies);
+  std::vector<BodyState> low(bodies);
+  Vector all(rows * static_cast<Eigen::Index>(bodies));
+  return differences(y, all.size(), [&](const Vector& above, const Vector& below) -> const Vector& {
+    equations_.show(above.data(), high);
+    equations_.show(below.data(), low);
+    Eigen::Index row = 0;
+    for (std::size_t i = 0; i < bodies; ++i) {
+      for (const Vec3& part : {high[i].position - low[i].position, turn_between(high[i].rotation, low[i].rotation),
+                               high[i].spin - low[i].spin}) {
+        for (const double value : part) all[row++] = value;
+      }
+    }
+    return all;
+  });
+}
+
+/// What one step may add to each number of the state.
+TreeUncertainty::Vector TreeUncertainty::step_error(const Vector& y) const {
+  return ((tolerances_.rtol + epsilon) * y.array().abs() + tolerances_.atol).matrix();
+}
+
+/// Of the bodies where the state is y: the ellipsoids, what a step adds inside it, and the rounding of showing it.
+BodyUncertainty TreeUncertainty::bound(const Vector& y) const {
+  const Matrix shown = slopes_of_bodies(y);
+  const Vector own = step_error(y);
+  std::vector<BodyState> states(mechanism_.bodies.size());
+  equations_.show(y.data(), states);
+  BodyUncertainty worst;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const auto reach = [&](Eigen::Index part, double size) {
+      const auto of = shown.middleRows(rows * static_cast<Eigen::Index>(i) + 3 * part, 3);
+      const auto along = [&](const Matrix& errors) { return std::sqrt((of * errors * of.transpose()).trace()); };
+      constexpr double few = 8;
+      return std::fmin(factor_ * along(independent_) + bias * along(aligned_) + (of * own.asDiagonal()).norm() +
+                           few * epsilon * (1 + size),
+                       lost_rad);
+    };
+    worst = larger(worst, {reach(0, length(states[i].position)), reach(1, 0), reach(2, length(states[i].spin))});
+  }
+  return worst;
+}
+
+BodyUncertainty TreeUncertainty::at(double t) const {
+  const auto later = std::ranges::lower_bound(strides_, t, {}, &Stride::end_s);
+  if (later == strides_.begin()) return later->bound;
+  return larger(later->bound, (later - 1)->bound);
+}
+
+}  // namespace odeval::reference

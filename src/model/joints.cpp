@@ -1,0 +1,174 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "model/draft.hpp"
+#include "model/generate.hpp"
+#include "model/joint_kinds.hpp"
+#include "model/nearest.hpp"
+
+namespace odeval {
+namespace {
+
+/// "joints.2.axis"
+std::string path_of(const char* list, std::size_t number, const char* key) {
+  return fmt::format("{}.{}.{}", list, number, key);
+}
+
+std::string shown(const Vec3& v) { return fmt::format("[{}, {}, {}]", v[0], v[1], v[2]); }
+
+/// A name for each body, no two the same.
+void name_bodies(Draft& draft) {
+  std::vector<BodyTable>& bodies = draft.said.bodies;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    std::string& name = bodies[i].name;
+    if (name.empty()) name = fmt::format("body{}", i + 1);
+    if (name == world_name) draft.fail(path_of("bodies", i, "name"), name, "is what nothing moves; name it otherwise");
+    const std::size_t before = draft.said.body_named(name).value();
+    if (before == i) continue;
+    draft.fail(path_of("bodies", i, "name"), name, fmt::format("is the name of bodies.{} as well", before));
+  }
+}
+
+/// Masses can be spread to give it: no moment about any axis is larger than the other two together, and none is zero.
+void check_inertia(const Draft& draft, std::size_t body) {
+  if (!draft.said.bodies[body].inertia_kgm2) return;
+  const auto [xx, yy, zz, xy, xz, yz] = *draft.said.bodies[body].inertia_kgm2;
+  const Vec3 products{xy, xz, yz};
+  const auto least_minors = [&](double a, double b, double c, double sign) {
+    const auto [de, df, ef] = sign * products;
+    return std::array{std::min({a, b, c}), std::min({a * b - de * de, a * c - df * df, b * c - ef * ef}),
+                      a * b * c + 2 * de * df * ef - a * ef * ef - b * df * df - c * de * de};
+  };
+  // The second moments of the mass, half the trace minus the tensor, are no less than zero in any direction.
+  const double half = (xx + yy + zz) / 2;
+  const auto spread = least_minors(half - xx, half - yy, half - zz, -1);
+  const auto turning = least_minors(xx, yy, zz, 1);
+  bool possible = true;
+  double size = 1;
+  for (std::size_t k = 0; k < 3; ++k) {
+    size *= half;
+    constexpr double rounding = 1e-12;  // of the numbers in a file
+    possible = possible && spread[k] >= -rounding * size && turning[k] > rounding * size;
+  }
+  if (possible) return;
+  draft.fail(path_of("bodies", body, "inertia"), fmt::format("[{}, {}, {}, {}, {}, {}]", xx, yy, zz, xy, xz, yz),
+             "is of no body: each principal moment must be above 0, and at most the sum of the other two");
+}
+
+std::size_t body_called(const Draft& draft, std::size_t joint, const char* key, const std::string& name) {
+  if (const auto body = draft.said.body_named(name)) return *body;
+  std::vector<std::string> names;
+  for (const BodyTable& body : draft.said.bodies) names.push_back(body.name);
+  draft.fail(path_of("joints", joint, key), name,
+             name == world_name ? "carries and is not carried; it is a parent"
+                                : "is the name of no body" + nearest_hint(name, names));
+}
+
+/// Follows which bodies hang together: a joint between two that do closes a loop.
+class Groups {
+ public:
+  explicit Groups(std::size_t members) : leader_(members) { std::iota(leader_.begin(), leader_.end(), std::size_t{0}); }
+
+  /// False when they were together before.
+  bool join(std::size_t a, std::size_t b) {
+    const std::size_t from = leader(a);
+    const std::size_t to = leader(b);
+    leader_[from] = to;
+    return from != to;
+  }
+  std::size_t leader(std::size_t member) const {
+    while (leader_[member] != member) member = leader_[member];
+    return member;
+  }
+
+ private:
+  std::vector<std::size_t> leader_;
+};
+
+void check_tree(const Draft& draft) {
+  const std::size_t world = draft.said.bodies.size();
+  Groups groups(world + 1);
+  for (std::size_t i = 0; i < draft.said.joints.size(); ++i) {
+    const JointTable& joint = draft.said.joints[i];
+    const std::size_t parent = joint.parent == world_name ? world : body_called(draft, i, "parent", joint.parent);
+    const std::size_t child = body_called(draft, i, "child", joint.child);
+    if (parent == child) draft.fail(path_of("joints", i, "child"), joint.child, "is its parent as well");
+    if (groups.join(parent, child)) continue;
+    draft.fail(fmt::format("joints.{}", i), "",
+               fmt::format("closes a loop: '{}' and '{}' hang together without it; joints must make a tree",
+                           joint.parent, joint.child));
+  }
+}
+
+void make_unit(const Draft& draft, std::size_t joint, const char* key, Vec3& axis) {
+  if (axis == Vec3{}) draft.fail(path_of("joints", joint, key), shown(axis), "must have a direction");
+  axis = unit(axis);
+}
+
+void settle_axes(Draft& draft, std::size_t number) {
+  JointTable& joint = draft.said.joints[number];
+  const toml::table& table = *draft.tree["joints"][number].as_table();
+  int axes = 0;
+  for (const char* key : {"axis", "axis2"}) {
+    if (axes++ < joint.kind->axes || !table.contains(key)) continue;
+    draft.fail(path_of("joints", number, key), "",
+               fmt::format("has no meaning for kind {}; remove it", joint.kind->word));
+  }
+  if (joint.kind->axes > 0) make_unit(draft, number, "axis", joint.axis);
+  if (joint.kind->axes < 2) return;
+  const Vec3 said = joint.axis2;
+  make_unit(draft, number, "axis2", joint.axis2);
+  constexpr double rounding = 1e-6;  // of the numbers in a file
+  const double along = dot(joint.axis, joint.axis2);
+  if (std::fabs(along) > rounding) {
+    draft.fail(path_of("joints", number, "axis2"), shown(said),
+               fmt::format("must be at right angles to axis, the cosine between them is {:.3g}", along));
+  }
+  joint.axis2 = unit(joint.axis2 - along * joint.axis);
+}
+
+/// Something can move, and moves at first as the joints let it.
+void check_start(const Draft& draft) {
+  Scenario made;
+  put_bodies(made, draft.said);
+  const Mechanism& mechanism = made.mechanism;
+  std::size_t free = mechanism.bodies.size() > mechanism.joints.size() ? 1 : 0;  // what hangs on nothing
+  for (std::size_t i = 0; i < mechanism.joints.size(); ++i) {
+    const Freedom freedom = freedom_of(mechanism.joints[i].kind);
+    free += freedom.ways.size() + freedom.turns.size();
+    const Misfit misfit = misfit_of(mechanism, mechanism.joints[i]);
+    if (std::fmax(misfit.speed_m_s, misfit.spin_rad_s) <= allowed_misfit(mechanism)) continue;
+    draft.fail(
+        fmt::format("joints.{}", i), "",
+        fmt::format("does not allow the velocity and spin with which bodies.{} '{}' starts beside '{}': they part by "
+                    "{:.3g} m/s and {:.3g} rad/s",
+                    draft.said.body_named(draft.said.joints[i].child).value(), draft.said.joints[i].child,
+                    draft.said.joints[i].parent, misfit.speed_m_s, misfit.spin_rad_s));
+  }
+  if (free == 0) draft.fail("joints", "", "leave nothing that can move; one of another kind than fixed is wanted");
+}
+
+}  // namespace
+
+std::optional<std::size_t> Description::body_named(std::string_view name) const {
+  const auto found = std::ranges::find(bodies, name, &BodyTable::name);
+  if (found == bodies.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - bodies.begin());
+}
+
+void settle_joints(Draft& draft) {
+  name_bodies(draft);
+  for (std::size_t i = 0; i < draft.said.bodies.size(); ++i) check_inertia(draft, i);
+  if (draft.said.joints.empty()) {
+    draft.fail("joints", "0 tables",
+               fmt::format("must be tables [[joints]], at least one, for {}", draft.said.problem->name));
+  }
+  check_tree(draft);
+  for (std::size_t i = 0; i < draft.said.joints.size(); ++i) settle_axes(draft, i);
+  check_start(draft);
+}
+
+}  // namespace odeval

@@ -1,0 +1,232 @@
+// Files of mechanisms: what becomes of their bodies and joints, and what is refused.
+#include <algorithm>
+#include <string>
+
+#include "model/read_scenario.hpp"
+#include "odeval/error.hpp"
+#include "tests/check.hpp"
+
+namespace {
+
+using namespace odeval;
+
+// A turntable, a forearm on a hinge that turns with it, a hand on a universal joint, and a ball that flies.
+const std::string arm = R"(problem = "mechanism"
+duration = 1
+[[bodies]]
+name = "table"
+mass = 2
+size = [0.2, 0.2, 0.2]
+spin = [0, 0, 2]
+[[bodies]]
+name = "forearm"
+mass = 1
+size = [1, 0.1, 0.1]
+position = [0.5, 0, 0]
+velocity = [0, 1, 0]
+spin = [0, 0, 2]
+inertia = [0.1, 0.2, 0.25, 0.01, 0.02, 0.03]
+[[bodies]]
+mass = 0.5
+size = [0.2, 0.2, 0.2]
+position = [1, 0, 0]
+velocity = [0, 2, 0]
+spin = [0, 0, 2]
+[[bodies]]
+name = "ball"
+shape = "sphere"
+mass = 0.5
+size = [0.2, 0.2, 0.2]
+[[joints]]
+kind = "hinge"
+parent = "world"
+child = "table"
+axis = [0, 0, 5]
+[[joints]]
+kind = "hinge"
+parent = "table"
+child = "forearm"
+axis = [0, 3, 4]
+[[joints]]
+kind = "universal"
+parent = "forearm"
+child = "body3"
+anchor = [1, 0, 0]
+axis = [0, 2, 0]
+axis2 = [0, 1e-7, 3]
+)";
+
+std::string replaced(std::string text, const std::string& what, const std::string& with) {
+  const std::size_t at = text.find(what);
+  CHECK(at != std::string::npos);
+  return at == std::string::npos ? text : text.replace(at, what.size(), with);
+}
+
+Scenario read(const std::string& text, const std::vector<Override>& overrides = {}) {
+  return ScenarioFile("x.toml", text).read(overrides, {});
+}
+
+void what_becomes_of_it() {
+  const Mechanism mechanism = read(arm).mechanism;
+  CHECK_EQUAL(mechanism.bodies.size(), 4u);
+  CHECK_EQUAL(mechanism.bodies[1].name, "forearm");
+  CHECK_EQUAL(mechanism.bodies[2].name, "body3");
+  CHECK(!mechanism.bodies[0].inertia_kgm2);
+  const std::array<double, 9> tensor{0.1, 0.01, 0.02, 0.01, 0.2, 0.03, 0.02, 0.03, 0.25};
+  CHECK(mechanism.bodies[1].inertia_kgm2 == tensor);
+  CHECK_EQUAL(mechanism.joints.size(), 3u);
+  CHECK_EQUAL(mechanism.joints[0].first, 0u);
+  CHECK(!mechanism.joints[0].second);
+  CHECK_EQUAL(mechanism.joints[1].first, 0u);  // the parent
+  CHECK_EQUAL(mechanism.joints[1].second.value(), 1u);
+  CHECK_EQUAL(mechanism.joints[1].carried(), 1u);
+  CHECK_NEAR(distance(std::get<HingeJoint>(mechanism.joints[1].kind).axis, {0, 0.6, 0.8}), 0, 1e-15);
+  const auto& universal = std::get<UniversalJoint>(mechanism.joints[2].kind);
+  CHECK((universal.axis1 == Vec3{0, 1, 0}));
+  CHECK((universal.axis2 == Vec3{0, 0, 1}));  // at right angles to the other
+  CHECK((universal.anchor_m == Vec3{1, 0, 0}));
+}
+
+// On the world the child is the joint's first body, and `axis2`, which it carries, the first axis.
+void a_universal_joint_on_the_world() {
+  std::string text = replaced(arm, "kind = \"hinge\"", "kind = \"universal\"");
+  text = replaced(text, "axis = [0, 0, 5]", "axis = [1, 0, 0]\naxis2 = [0, 0, 1]");
+  const Mechanism mechanism = read(text).mechanism;
+  const auto& universal = std::get<UniversalJoint>(mechanism.joints[0].kind);
+  CHECK((universal.axis1 == Vec3{0, 0, 1}));
+  CHECK((universal.axis2 == Vec3{1, 0, 0}));
+}
+
+void every_kind() {
+  for (const char* kind : {"ball", "fixed"}) {
+    const std::string text = replaced(replaced(arm, "kind = \"hinge\"\nparent = \"table\"",
+                                               std::string("kind = \"") + kind + "\"\nparent = \"table\""),
+                                      "axis = [0, 3, 4]\n", "");
+    CHECK_EQUAL(read(text).mechanism.joints[1].kind.index(), std::string(kind) == "ball" ? 0u : 4u);
+  }
+  const std::string slides =
+      replaced(arm, "kind = \"hinge\"\nparent = \"table\"", "kind = \"slider\"\nparent = \"table\"");
+  CHECK_NEAR(distance(std::get<SliderJoint>(read(slides).mechanism.joints[1].kind).axis, {0, 0.6, 0.8}), 0, 1e-15);
+}
+
+void summaries_tell_all() {
+  const Definition all = read(arm).definition;
+  const auto has = [&](const char* key) {
+    return std::ranges::any_of(all, [&](const auto& setting) { return setting.first == key; });
+  };
+  for (const char* key : {"bodies.0.name", "bodies.1.inertia", "joints.0.kind", "joints.1.parent", "joints.1.child",
+                          "joints.2.anchor", "joints.2.axis2"}) {
+    CHECK(has(key));
+  }
+  CHECK(!has("bodies.0.inertia"));
+  CHECK(!has("joints.1.axis2"));
+}
+
+void refused(const std::string& text, const std::string& message) {
+  CHECK_THROWS(read(text), UserError, "x.toml: " + message);
+}
+void refuses(const std::string& what, const std::string& with, const std::string& message) {
+  refused(replaced(arm, what, with), message);
+}
+
+void bad_bodies() {
+  refuses("name = \"table\"", "name = \"forearm\"", "bodies.1.name = forearm: is the name of bodies.0 as well");
+  refuses("name = \"table\"", "name = \"body3\"", "bodies.2.name = body3: is the name of bodies.0 as well");
+  refuses("name = \"table\"", "name = \"world\"", "bodies.0.name = world: is what nothing moves; name it otherwise");
+  for (const char* name : {"\"\"", "\"two words\"", "7", "\"a.b\"", "\"12345678901234567890123456789012345678901\""}) {
+    refuses("name = \"table\"", std::string("name = ") + name, "bodies.0.name = ");
+  }
+  const std::string inertia = "inertia = [0.1, 0.2, 0.25, 0.01, 0.02, 0.03]";
+  for (const char* tensor :
+       {"[0.1, 0.2, 0.31, 0, 0, 0]",                                     // more than the other two together
+        "[0.1, 0.2, 0.25, 0.2, 0, 0]",                                   // a negative moment
+        "[0, 0, 0, 0, 0, 0]",                                            // none
+        "[0, 0.2, 0.2, 0, 0, 0]",                                        // a line
+        "[-0.1, 0.2, 0.25, 0, 0, 0]", "[0.2, 0.2, 0.2, 0, 0, 0.15]"}) {  // 0.35 is above 0.2 + 0.05
+    refuses(inertia, std::string("inertia = ") + tensor, "bodies.1.inertia = ");
+  }
+  refuses(inertia, "inertia = [0.1, 0.2, 0.25]", "bodies.1.inertia = [0.1, 0.2, 0.25]: must be a list of 6 numbers");
+  refuses(inertia, "inertia = [0.1, 0.2, nan, 0, 0, 0]", "bodies.1.inertia.2 = nan: must be a number");
+  // A plate, whose one moment is the sum of the others, is a body.
+  CHECK(
+      read(replaced(arm, inertia, "inertia = [0.1, 0.2, 0.3, 0, 0, 0]")).mechanism.bodies[1].inertia_kgm2.has_value());
+}
+
+void bad_joints() {
+  refuses("parent = \"table\"", "parent = \"tabel\"",
+          "joints.1.parent = tabel: is the name of no body (nearest: 'table')");
+  refuses("child = \"body3\"", "child = \"hand\"", "joints.2.child = hand: is the name of no body");
+  refuses("child = \"table\"", "child = \"world\"", "joints.0.child = world: carries and is not carried");
+  refuses("child = \"forearm\"", "child = \"table\"", "joints.1.child = table: is its parent as well");
+  refuses("child = \"body3\"", "child = \"table\"",
+          "joints.2 closes a loop: 'forearm' and 'table' hang together without it; joints must make a tree");
+  refused(arm + "[[joints]]\nkind = \"ball\"\nparent = \"world\"\nchild = \"body3\"\n", "joints.3 closes a loop");
+  refuses("kind = \"universal\"", "kind = \"cardan\"", "joints.2.kind = 'cardan': is not known (nearest: ");
+  refuses("kind = \"universal\"\n", "", "joints.2.kind is missing; it must be one of ball, hinge, slider");
+  refuses("parent = \"table\"\n", "", "joints.1.parent is missing; it must be a name");
+  refuses("child = \"forearm\"\n", "", "joints.1.child is missing; it must be a name");
+  refuses("axis = [0, 3, 4]", "axis = [0, 0, 0]", "joints.1.axis = [0, 0, 0]: must have a direction");
+  refuses("axis2 = [0, 1e-7, 3]", "axis2 = [0, 0, 0]", "joints.2.axis2 = [0, 0, 0]: must have a direction");
+  refuses("axis2 = [0, 1e-7, 3]", "axis2 = [0, 1, 1]", "joints.2.axis2 = [0, 1, 1]: must be at right angles to axis");
+  refuses("axis = [0, 3, 4]", "axis2 = [0, 3, 4]", "joints.1.axis2 has no meaning for kind hinge; remove it");
+  refuses("kind = \"hinge\"\nparent = \"table\"", "kind = \"ball\"\nparent = \"table\"",
+          "joints.1.axis has no meaning for kind ball; remove it");
+  refuses("axis = [0, 3, 4]", "stops = [0, 1]", "joints.1.stops = [0, 1]: is no known key");
+  refused(arm.substr(0, arm.find("[[joints]]")), "joints is missing; mechanism needs [[joints]]");
+  refused("joints = []\n" + arm.substr(0, arm.find("[[joints]]")), "joints = 0 tables: must be tables [[joints]]");
+  refused(arm.substr(0, arm.find("[[bodies]]")) + arm.substr(arm.find("[[joints]]")), "bodies = 0 tables");
+  refused(arm + "[joint]\nkind = \"ball\"\n", "joint has no meaning for mechanism; remove it");
+  refused(arm + "[ground]\n", "ground has no meaning for mechanism; remove it");
+}
+
+void bad_starts() {
+  refuses("velocity = [0, 1, 0]", "velocity = [0, 1.5, 0]",
+          "joints.1 does not allow the velocity and spin with which bodies.1 'forearm' starts beside 'table': they "
+          "part by 0.5 m/s");
+  CHECK_THROWS(read(replaced(arm, "spin = [0, 0, 2]\ninertia", "spin = [1, 0, 2]\ninertia")), UserError, "and 1 rad/s");
+  refused(R"(problem = "mechanism"
+duration = 1
+[[bodies]]
+mass = 1
+size = [1, 1, 1]
+[[joints]]
+kind = "fixed"
+parent = "world"
+child = "body1"
+)",
+          "joints leave nothing that can move");
+}
+
+// What a mechanism says has no meaning elsewhere.
+void no_mechanism() {
+  const std::string box = "problem = \"free_box\"\nduration = 1\n[[bodies]]\nmass = 1\nsize = [1, 1, 1]\n";
+  refused(box + "name = \"a\"\n", "bodies.0.name has no meaning for free_box; remove it");
+  refused(box + "inertia = [1, 1, 1, 0, 0, 0]\n", "bodies.0.inertia has no meaning for free_box; remove it");
+  refused(box + "[[joints]]\nkind = \"ball\"\nparent = \"world\"\nchild = \"body1\"\n",
+          "joints has no meaning for free_box");
+  const std::string sprung = replaced(box, "free_box", "spring_joint") + "[joint]\nkind = \"slider\"\n";
+  refused(sprung, "joint.kind = 'slider': must be one of ball, hinge");
+}
+
+void settings_reach_in() {
+  const Scenario turned = read(arm, {{"joints.1.axis", "[0, 1, 0]", "--set"}, {"bodies.1.inertia.2", "0.2", "--set"}});
+  CHECK((std::get<HingeJoint>(turned.mechanism.joints[1].kind).axis == Vec3{0, 1, 0}));
+  CHECK_EQUAL((*turned.mechanism.bodies[1].inertia_kgm2)[8], 0.2);
+  CHECK_THROWS(read(arm, {{"joints.1.parent", "nobody", "--set"}}), UserError,
+               "--set joints.1.parent=nobody: joints.1.parent is the name of no body");
+}
+
+}  // namespace
+
+int main() {
+  what_becomes_of_it();
+  a_universal_joint_on_the_world();
+  every_kind();
+  summaries_tell_all();
+  bad_bodies();
+  bad_joints();
+  bad_starts();
+  no_mechanism();
+  settings_reach_in();
+  return test::verdict();
+}
