@@ -251,7 +251,7 @@ int check_cluster(unsigned seed) {
     return static_cast<unsigned>(std::ranges::find(world.bodies, dGeomGetBody(geom)) - world.bodies.begin());
   };
   const auto restitution = [&](dGeomID one, dGeomID other) {
-    const auto [low, high] = std::minmax(number(one), number(other));
+    const auto [low, high] = std::minmax({number(one), number(other)});
     return elastic ? 1 : Random(mix + 16 * low + high).restitution();
   };
   const ImpactOrder order = random.chance(0.5) ? ImpactOrder::together : ImpactOrder::in_turn;
