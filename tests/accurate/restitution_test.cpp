@@ -268,13 +268,13 @@ int check_cluster(unsigned seed) {
     const double energy = kinetic(world);
     const Vector3d momentum = world.momentum();
     (*watched.step)(h);
-    // Between impacts what turns on joints by an angle x in a step changes its energy by a share of x^6 / 144 or so.
+    // Between impacts what turns on joints by an angle x in a step changes its energy by less than a share of x^5.
     const double turned = jointed ? h * fastest_spin(world) : 0;
-    const double rounding = energy_rounding + std::pow(turned, 6);
+    const double rounding = energy_rounding + std::pow(turned, 5);
     CHECK_BETWEEN(kinetic(world), 0, energy * (1 + rounding));
     // What joints press on each other rests, which loses what a step of it closes.
     if (elastic && !jointed) CHECK_NEAR(kinetic(world), energy, energy * rounding);
-    CHECK_NEAR((world.momentum() - momentum).norm(), 0, 1e-12 * (1 + energy));
+    CHECK_NEAR((world.momentum() - momentum).norm(), 0, 1e-11 * (1 + energy));
   }
   return watched.impacts;
 }
