@@ -131,16 +131,16 @@ void chains(int rounds) {
   fmt::print("cost grows as n to the power {:.2f} (dWorldStep {:.2f})\n", slope(logs_accurate), slope(logs_ode));
 }
 
-odeval::AccurateStepOptions bouncing(double restitution) {
+odeval::AccurateStepOptions bouncing(double restitution, double friction = 0) {
   odeval::AccurateStepOptions options;
-  options.contact = [restitution](dGeomID, dGeomID) { return std::optional(odeval::Bounce{restitution}); };
+  options.contact = [=](dGeomID, dGeomID) { return std::optional(odeval::Bounce{restitution, friction}); };
   return options;
 }
 
 /// A world with contacts, stepped by ODE in the usual way.
 class OdeSteps {
  public:
-  explicit OdeSteps(odeval::test::World& world) : world_(world) {
+  explicit OdeSteps(odeval::test::World& world, double friction = 0) : world_(world), friction_(friction) {
     dWorldSetERP(world.id, 0.2);
     dWorldSetCFM(world.id, 1e-9);
   }
@@ -162,7 +162,8 @@ class OdeSteps {
     dContact contact[8]{};
     const int count = dCollide(one, other, 8, &contact[0].geom, sizeof(dContact));
     for (int i = 0; i < count; ++i) {
-      contact[i].surface.mode = dContactBounce;
+      contact[i].surface.mode = dContactBounce | dContactApprox1;
+      contact[i].surface.mu = steps.friction_;
       contact[i].surface.bounce = 0.5;
       contact[i].surface.bounce_vel = 0.01;
       dJointAttach(dJointCreateContact(steps.world_.id, steps.contacts_, &contact[i]), a, b);
@@ -170,6 +171,7 @@ class OdeSteps {
   }
 
   odeval::test::World& world_;
+  double friction_;
   dJointGroupID contacts_ = dJointGroupCreate(0);
 };
 
@@ -204,16 +206,16 @@ void at_rest(const char* what, int rounds, const std::function<void(odeval::test
              median(accurate), median(ratios), touches);
 }
 
-/// Contacts that crowd, plastic and frictionless, 10 s at h = 5 ms from the fall on: mean and slowest step, either
-/// against dWorldStep's mean in the same run.
-void crowd(const char* what, void (*build)(odeval::test::World&)) {
+/// Contacts that crowd, plastic, 10 s at h = 5 ms from the fall on: mean and slowest step, either against dWorldStep's
+/// mean in the same run.
+void crowd(const char* what, void (*build)(odeval::test::World&), double friction) {
   constexpr double h = 5e-3;
   constexpr int steps = 2000;
   odeval::test::World one, other;
   build(one);
   build(other);
-  odeval::AccurateStep step(one.id, one.space, bouncing(0));
-  OdeSteps ode(other);
+  odeval::AccurateStep step(one.id, one.space, bouncing(0, friction));
+  OdeSteps ode(other, friction);
   double accurate = 0, plain = 0, slowest = 0;
   for (int k = 0; k < steps; ++k) {
     const double start = cpu_seconds();
@@ -225,9 +227,9 @@ void crowd(const char* what, void (*build)(odeval::test::World&)) {
     slowest = std::max(slowest, middle - start);
   }
   fmt::print(
-      "{:16} dWorldStep {:.1f} us/step, accurate {:.1f} us/step: {:.2f} x, slowest step {:.1f} x; {} crowded steps, "
-      "overlap {:.2g} m\n",
-      what, 1e6 * plain / steps, 1e6 * accurate / steps, accurate / plain, slowest * steps / plain,
+      "{:12} mu {:3} dWorldStep {:.1f} us/step, accurate {:.1f} us/step: {:.2f} x, slowest step {:.1f} x; {} crowded "
+      "steps, overlap {:.2g} m\n",
+      what, friction, 1e6 * plain / steps, 1e6 * accurate / steps, accurate / plain, slowest * steps / plain,
       step.crowded_steps(), odeval::test::overlap(one));
 }
 
@@ -271,8 +273,10 @@ int main(int argc, char** argv) {
   at_rest("stack of 4", rounds, [](odeval::test::World& world) {
     for (int i = 0; i < 4; ++i) world.box(1, {0.2, 0.2, 0.2}, {0, 0, 0.1 + 0.2 * i});
   });
-  crowd("ragdoll", odeval::test::ragdoll);
-  crowd("stack of 10", odeval::test::stack_of_10);
-  crowd("pile of 50", odeval::test::pile_of_50);
+  for (const double friction : {0.0, 0.5}) {
+    crowd("ragdoll", odeval::test::ragdoll, friction);
+    crowd("stack of 10", odeval::test::stack_of_10, friction);
+    crowd("pile of 50", odeval::test::pile_of_50, friction);
+  }
   impacts();
 }

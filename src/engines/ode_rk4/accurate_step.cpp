@@ -57,7 +57,7 @@ class AccurateStep::World {
   void step(double h) {
     if (!(h > 0) || !std::isfinite(h)) refuse("the step must be a positive number of seconds, not " + shown(h));
     if (watch_.changed(space_, mechanism())) reread();
-    if (motion_.has_motors()) motion_.read_motors();
+    motion_.prepare(h);
     read_state(mechanism(), state_);
     read_forces(world_, mechanism(), forces_.now);
     saved_.save(mechanism());
@@ -87,9 +87,13 @@ class AccurateStep::World {
   void write() const {
     show_poses(mechanism(), state_);
     show_twists(mechanism(), state_);
-    for (const Body& body : mechanism().bodies) {
+    for (std::size_t i = 0; i < state_.size(); ++i) {
+      const Body& body = mechanism().bodies[i];
       dBodySetForce(body.id, 0, 0, 0);
       dBodySetTorque(body.id, 0, 0, 0);
+      const Twist& twist = state_[i].twist;
+      const bool still = twist.linear.isZero(0) && twist.angular.isZero(0);
+      if (dBodyIsEnabled(body.id) == 0 && !(body.asleep && still)) dBodyEnable(body.id);
     }
     for (std::size_t j = 0; j < mechanism().joints.size(); ++j) {
       const Joint& joint = mechanism().joints[j];

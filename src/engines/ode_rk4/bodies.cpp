@@ -21,6 +21,7 @@ void read_state(const Mechanism& mechanism, State& state) {
     const dReal* q = dBodyGetQuaternion(id);
     state[i] = {{vector(dBodyGetPosition(id)), {q[0], q[1], q[2], q[3]}},
                 {vector(dBodyGetLinearVel(id)), vector(dBodyGetAngularVel(id))}};
+    if (mechanism.bodies[i].asleep) state[i].twist = {Vector3d::Zero(), Vector3d::Zero()};
     if (!finite_body(state[i])) refuse("a position or velocity of body " + std::to_string(i) + " is not finite", id);
   }
 }
@@ -31,8 +32,13 @@ void read_forces(dWorldID world, const Mechanism& mechanism, std::vector<Wrench>
   forces.resize(mechanism.bodies.size());
   for (std::size_t i = 0; i < forces.size(); ++i) {
     const dBodyID id = mechanism.bodies[i].id;
+    if (mechanism.bodies[i].asleep) {
+      forces[i] = {Vector3d::Zero(), Vector3d::Zero()};
+      continue;
+    }
     forces[i] = {vector(dBodyGetForce(id)), vector(dBodyGetTorque(id))};
-    if (dBodyGetGravityMode(id) != 0) forces[i].force += vector(gravity) / mechanism.bodies[i].inverse_mass;
+    if (dBodyGetGravityMode(id) != 0 && mechanism.bodies[i].inverse_mass > 0)
+      forces[i].force += vector(gravity) / mechanism.bodies[i].inverse_mass;
     if (!forces[i].force.allFinite() || !forces[i].torque.allFinite()) {
       refuse("the force on body " + std::to_string(i) + " is not finite", id);
     }

@@ -78,7 +78,8 @@ void Collider::near(void* pairs, dGeomID one, dGeomID other) {
   }
   const dBodyID a = dGeomGetBody(one);
   const dBodyID b = dGeomGetBody(other);
-  if (a == b || (a != nullptr && b != nullptr && dAreConnected(a, b) != 0)) return;
+  const auto moves = [](dBodyID body) { return body != nullptr && dBodyIsKinematic(body) == 0; };
+  if (a == b || (!moves(a) && !moves(b)) || (a != nullptr && b != nullptr && dAreConnected(a, b) != 0)) return;
   static_cast<std::vector<std::pair<dGeomID, dGeomID>>*>(pairs)->emplace_back(one, other);
 }
 

@@ -30,8 +30,8 @@ constexpr double time_rounding = 1e-15;    // of what is left of the step
 constexpr double beyond_rounding = 1e-14;  // of a motor's limit or velocity
 constexpr double near_newton = 0.02;       // of the bracket: Newton's method misses by the square of what it moved
 constexpr int most_pushes = 10;
-constexpr double almost = 0.95;  // normal impulses shift between contacts as it sticks
-constexpr int most_splits = 4;   // of a step where something comes to stick
+constexpr double almost = 0.95;
+constexpr int most_splits = 4;  // of a step where something comes to stick
 
 bool same_geoms(const Contact& one, const Contact& other) { return one.geoms == other.geoms; }
 
@@ -74,6 +74,7 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
 void Flight::fly(double h) {
   std::size_t struck = 0;
   int splits = 0;
+  double slip = 0, last_part = 0;
   double t = 0;
   for (int impacts = 1;; ++impacts) {
     move(t, h - t, there_);
@@ -82,10 +83,14 @@ void Flight::fly(double h) {
     if (deepest(there_) == nullptr) {
       const std::vector<Contact> resting = resting_;
       hold(there_, h - t);
-      // What slid and sticks is taken to the moment at which it does: first almost, then what is left of its speed is
-      // so little that it is taken exactly.
-      if (sticks_at_ < 1 && splits++ < most_splits) {
-        const double part = (splits % 2 == 1 ? almost : 1) * sticks_at_ * (h - t);
+      // What slid and sticks is taken to the moment at which it does: first almost, then by how much that slowed it.
+      if (sticks_.share < 1 && splits++ < most_splits) {
+        double part = almost * sticks_.share * (h - t);
+        if (splits % 2 == 0 && sticks_.slip < slip) {
+          part = std::min(h - t, sticks_.slip / (slip - sticks_.slip) * last_part);
+        }
+        slip = sticks_.slip;
+        last_part = part;
         resting_ = resting;
         move(t, part, there_);
         look(there_);
@@ -413,7 +418,7 @@ void Flight::recall() {
 /// true if something touches that does not rest.
 bool Flight::hold(State& state, double h) {
   bool touched = false;
-  sticks_at_ = 1;
+  sticks_ = {};
   const auto at_rest = [&] {
     touched = deepest(state) != nullptr;
     std::erase_if(contacts_, [&](const Contact& contact) { return !rests(contact, state); });
@@ -432,7 +437,7 @@ bool Flight::hold(State& state, double h) {
     std::vector<Twist> by;
     if (first && rubs) {
       for (std::size_t i = 0; i < rest.size(); ++i) rest[i].push = impact.push_of(impulses, i);
-      sticks_at_ = impact.sticks_at(impulses, here_, state);
+      sticks_ = impact.sticks_at(impulses, here_, state);
       by = follow(free, state, h);
     }
     const State before = state;

@@ -12,15 +12,10 @@ namespace {
 
 std::size_t index(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
-constexpr double rounding = 1e-12;   // of the fastest speed, of the largest impulse
-constexpr double softness = 1e-6;    // of the contacts, against their own response; made up for from round to round
-constexpr double sliding = 1e-9;     // m/s: slower is sticking, to what friction is solved to
-constexpr double agreement = 1e-10;  // of the largest impulse: soft shares are rounded to that
-// Of friction and normal impulses in turn: to the end for a few bodies that stand; a heap goes on from where it was.
-constexpr int most_rounds = 100, most_rounds_of_many = 6;
-constexpr int most_sweeps = 1000, most_sweeps_of_many = 20;
-constexpr Eigen::Index many = 24;  // rows of friction
-constexpr double held = 1e-12;     // of the change of speed that bodies without joints would have: a thousand roundings
+constexpr double rounding = 1e-12;  // of the fastest speed, of the largest impulse
+constexpr double sliding = 1e-9;    // m/s: slower is sticking, to what friction is solved to
+constexpr int most_rounds = 100;    // of friction that makes what does not bounce close, and is stopped
+constexpr double held = 1e-12;  // of the change of speed that bodies without joints would have: a thousand roundings
 
 double along(const Contact& contact, const Vector3d& arm, const Twist& twist) {
   if (contact.turns) return contact.normal.dot(twist.angular);
@@ -70,7 +65,8 @@ Impact::Impact(Motion& motion, std::span<const Contact> contacts, const State& s
   rows_.assign(contacts.begin(), contacts.end());
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     if (contacts[i].friction <= 0) continue;
-    rubbing_.push_back(i);
+    rubbing_.contact.push_back(static_cast<Eigen::Index>(i));
+    rubbing_.coefficient.push_back(contacts[i].friction);
     const Vector3d across = contacts[i].normal.unitOrthogonal();
     for (const Vector3d& along_plane : {across, Vector3d(contacts[i].normal.cross(across))}) {
       rows_.push_back(contacts[i]);
@@ -178,82 +174,47 @@ Eigen::VectorXd Impact::strike(State& state, ImpactOrder order, double rest_spee
   const auto bounces = (v.head(normals()).array() < -rest_speed && restitution.of.array() > 0).any();
   if (tangents() > 0 && !bounces) {
     p = hold(v);
-    if (p.dot(2 * v + response_ * p) <= rounding * p.dot(v.cwiseAbs())) {
-      strike_by(p, state);
-      return p;
-    }
-    p.setZero();  // not solved: where it can not be wrong
-  }
-  p.head(normals()) = order == ImpactOrder::together ? strike_together(a, v.head(normals()), restitution)
-                                                     : strike_in_turn(a, v.head(normals()), restitution, pair);
-  if (tangents() > 0) {
-    // Friction takes what it can of what is left, and what it makes to close is stopped: no part of it adds energy.
-    p.tail(tangents()) = rub(v.tail(tangents()) + response_.bottomLeftCorner(tangents(), normals()) * p.head(normals()),
-                             p.head(normals()), Eigen::VectorXd::Zero(tangents()));
-    for (int round = 0; round < most_rounds; ++round) {
-      const Eigen::VectorXd now = v + response_ * p;
-      if (now.head(normals()).minCoeff() >= -rounding * v.cwiseAbs().maxCoeff()) break;
-      p.head(normals()) += complementary(a, now.head(normals()));
-    }
+  } else {
+    p.head(normals()) = order == ImpactOrder::together ? strike_together(a, v.head(normals()), restitution)
+                                                       : strike_in_turn(a, v.head(normals()), restitution, pair);
+    if (tangents() > 0) p = rubbed(v, std::move(p));
   }
   strike_by(p, state);
   return p;
 }
 
-/// Friction at contacts that push so much: the impulses in their discs that leave the least energy, by projected
-/// gradients contact after contact.
-Eigen::VectorXd Impact::rub(const Eigen::VectorXd& speeds, const Eigen::VectorXd& normal, Eigen::VectorXd p) const {
-  const Eigen::MatrixXd a = response_.bottomRightCorner(tangents(), tangents());
-  Eigen::VectorXd v = speeds + a * p;
-  const double enough = rounding / 100 * speeds.cwiseAbs().maxCoeff();
-  const int sweeps = tangents() > many ? most_sweeps_of_many : most_sweeps;
-  for (int sweep = 0; sweep < sweeps; ++sweep) {
-    double moved = 0;
-    for (std::size_t k = 0; k < rubbing_.size(); ++k) {
-      const auto row = static_cast<Eigen::Index>(2 * k);
-      const Eigen::Matrix2d own = a.block<2, 2>(row, row);
-      const double steepest = own.trace() / 2 + std::hypot((own(0, 0) - own(1, 1)) / 2, own(0, 1));
-      if (steepest <= 0) continue;
-      const Eigen::Vector2d was = p.segment<2>(row);
-      Eigen::Vector2d now = was - v.segment<2>(row) / steepest;
-      const double most = contacts_[rubbing_[k]].friction * normal[static_cast<Eigen::Index>(rubbing_[k])];
-      if (now.norm() > most) now *= most / now.norm();
-      const Eigen::Vector2d change = now - was;
-      v += a.middleCols<2>(row) * change;
-      p.segment<2>(row) = now;
-      moved = std::max(moved, steepest * change.norm());
-    }
-    if (moved <= enough) break;
-  }
-  return p;
+/// Without restitution.
+Eigen::VectorXd Impact::hold(const Eigen::VectorXd& v) const {
+  const Eigen::Index n = normals();
+  if (tangents() == 0) return strike_together(response_, v, {Eigen::VectorXd::Zero(n)});
+  Eigen::VectorXd p(v.size());
+  for (Eigen::Index i = 0; i < p.size(); ++i) p[i] = rows_[index(i)].push.dot(rows_[index(i)].normal);
+  p = engine_rk4::hold(response_, v, rubbing_, std::move(p));
+  if (!adds_energy(response_, v, p)) return p;
+  // Not solved: without friction, and then what friction takes of that.
+  p.setZero();
+  p.head(n) = strike_together(response_.topLeftCorner(n, n), v.head(n), {Eigen::VectorXd::Zero(n)});
+  return rubbed(v, p);
 }
 
-/// Nothing closes, and friction is in its cone: normal impulses for given friction and friction for given normal
-/// impulses in turn, until they agree. Where contacts say the same each gets the same share, as soft ground would have
-/// it: friction feels the shares.
-Eigen::VectorXd Impact::hold(const Eigen::VectorXd& v) const {
+/// Friction takes what it can of what normal impulses leave, and what it makes to close is stopped: no part of it adds
+/// energy.
+Eigen::VectorXd Impact::rubbed(const Eigen::VectorXd& v, Eigen::VectorXd p) const {
   const Eigen::Index n = normals(), m = tangents();
-  Eigen::VectorXd p = Eigen::VectorXd::Zero(n + m);
-  const Eigen::MatrixXd a = response_.topLeftCorner(n, n);
-  if (m == 0) return strike_together(a, v, {Eigen::VectorXd::Zero(n)});
-  for (Eigen::Index i = 0; i < n + m; ++i) p[i] = rows_[index(i)].push.dot(rows_[index(i)].normal);
-  const double soft = softness * a.diagonal().maxCoeff();
-  const Eigen::MatrixXd softened = a + soft * Eigen::MatrixXd::Identity(n, n);
-  const int rounds = m > many ? most_rounds_of_many : most_rounds;
-  for (int round = 0; round < rounds; ++round) {
-    const Eigen::VectorXd was = p;
-    const Eigen::VectorXd closing = v.head(n) + response_.topRightCorner(n, m) * p.tail(m);
-    p.head(n) = complementary(softened, closing - soft * was.head(n));
-    p.tail(m) = rub(v.tail(m) + response_.bottomLeftCorner(m, n) * p.head(n), p.head(n), p.tail(m));
-    if ((p - was).cwiseAbs().maxCoeff() <= agreement * p.cwiseAbs().maxCoeff()) break;
+  p.tail(m) = rub(response_.bottomRightCorner(m, m), v.tail(m) + response_.bottomLeftCorner(m, n) * p.head(n), rubbing_,
+                  p.head(n), Eigen::VectorXd::Zero(m));
+  for (int round = 0; round < most_rounds; ++round) {
+    const Eigen::VectorXd now = v + response_ * p;
+    if (now.head(n).minCoeff() >= -rounding * v.cwiseAbs().maxCoeff()) break;
+    p.head(n) += strike_together(response_.topLeftCorner(n, n), now.head(n), {Eigen::VectorXd::Zero(n)});
   }
   return p;
 }
 
 Vector3d Impact::push_of(const Eigen::VectorXd& impulses, std::size_t contact) const {
   Vector3d sum = impulses[static_cast<Eigen::Index>(contact)] * contacts_[contact].normal;
-  for (std::size_t k = 0; k < rubbing_.size(); ++k) {
-    if (rubbing_[k] != contact) continue;
+  for (std::size_t k = 0; k < rubbing_.contact.size(); ++k) {
+    if (index(rubbing_.contact[k]) != contact) continue;
     for (const std::size_t row : {contacts_.size() + 2 * k, contacts_.size() + 2 * k + 1}) {
       sum += impulses[static_cast<Eigen::Index>(row)] * rows_[row].normal;
     }
@@ -267,7 +228,7 @@ Eigen::VectorXd Impact::stop(State& state) const {
   return p;
 }
 
-double Impact::sticks_at(const Eigen::VectorXd& impulses, const State& before, const State& state) const {
+Sticks Impact::sticks_at(const Eigen::VectorXd& impulses, const State& before, const State& state) const {
   // Every contact that sticks now slides on as it came.
   Eigen::VectorXd on = Eigen::VectorXd::Zero(impulses.size());
   std::vector<std::pair<Eigen::Index, Eigen::Vector2d>> stuck;
@@ -275,24 +236,24 @@ double Impact::sticks_at(const Eigen::VectorXd& impulses, const State& before, c
     const std::size_t row = contacts_.size() + 2 * k;
     return Eigen::Vector2d(normal_speed(rows_[row], velocities), normal_speed(rows_[row + 1], velocities));
   };
-  for (std::size_t k = 0; k < rubbing_.size(); ++k) {
-    const Contact& contact = contacts_[rubbing_[k]];
+  for (std::size_t k = 0; k < rubbing_.contact.size(); ++k) {
     State then = state;
     for (std::size_t i = 0; i < state.size(); ++i) then[i].twist = before[i].twist;
     const Eigen::Vector2d came = speeds_of(then, k), left = speeds_of(state, k);
     const Eigen::Index row = normals() + static_cast<Eigen::Index>(2 * k);
     if (came.norm() <= sliding || left.norm() > came.norm() / 1000) continue;
-    const double most = contact.friction * impulses[static_cast<Eigen::Index>(rubbing_[k])];
+    const double most = rubbing_.coefficient[k] * impulses[rubbing_.contact[k]];
     on.segment<2>(row) = -most * came.normalized() - impulses.segment<2>(row);
     stuck.emplace_back(row, came);
   }
-  double share = 1;
+  Sticks first;
   const Eigen::VectorXd change = response_ * on;
   for (const auto& [row, came] : stuck) {
     const double back = -change.segment<2>(row).dot(came.normalized());
-    if (back > 0) share = std::min(share, came.norm() / (came.norm() + back));
+    const double share = came.norm() / (came.norm() + back);
+    if (back > 0 && share < first.share) first = {share, came.norm()};
   }
-  return share;
+  return first;
 }
 
 JointError Impact::push_out(double depth, State& state, std::span<const Twist> besides) const {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engines/ode_rk4/accurate_step.hpp"
+#include "engines/ode_rk4/friction.hpp"
 #include "engines/ode_rk4/motion.hpp"
 
 namespace odeval::engine_rk4 {
@@ -30,6 +31,12 @@ double normal_speed(const Contact& contact, const State& found_at, const State& 
 /// Velocity of a against b along the contact's plane, m/s.
 Vector3d slip(const Contact& contact, const State& found_at, const State& velocities);
 
+/// What slid and came to stick.
+struct Sticks {
+  double share = 1;  // about how much of the time in which the impulses acted had passed; 1: nothing did
+  double slip = 0;   // m/s, before
+};
+
 /// What impulses at the contacts of one pose do: that of the motion's last projection.
 class Impact {
  public:
@@ -40,10 +47,10 @@ class Impact {
   Eigen::VectorXd strike(State& state, ImpactOrder order, double rest_speed) const;
   /// Without restitution: impulses, friction in its cone. Returns them.
   Eigen::VectorXd stop(State& state) const;
-  /// Of what `stop` brought to stick: when it came to stick, as a share of the time in which the impulses acted evenly,
-  /// from the velocities that it had before them and that sliding on would have led to. 1 where nothing did.
+  /// What `stop` brought to stick first, from the velocities that it had before and that sliding on would have led to
+  /// if normal impulses stayed.
   Vector3d push_of(const Eigen::VectorXd& impulses, std::size_t contact) const;
-  double sticks_at(const Eigen::VectorXd& impulses, const State& before, const State& state) const;
+  Sticks sticks_at(const Eigen::VectorXd& impulses, const State& before, const State& state) const;
 
   /// Moves the bodies apart, mass-weighted and with joints kept, until no contact is deeper than `depth`, to the first
   /// order in the way, and by what is given besides. Ends what the Impact can be used for. Returns the joint error that
@@ -57,17 +64,17 @@ class Impact {
   void find_response(std::size_t bodies);
   void respond(const Eigen::VectorXd& sizes) const;  // into change_
 
-  Eigen::VectorXd rub(const Eigen::VectorXd& speeds, const Eigen::VectorXd& normal, Eigen::VectorXd from) const;
   Eigen::VectorXd hold(const Eigen::VectorXd& speeds) const;
+  Eigen::VectorXd rubbed(const Eigen::VectorXd& speeds, Eigen::VectorXd impulses) const;
   Eigen::Index tangents() const { return response_.rows() - normals(); }
   Eigen::Index normals() const { return static_cast<Eigen::Index>(contacts_.size()); }
 
   Motion& motion_;
   std::span<const Contact> contacts_;
-  std::vector<Contact> rows_;         // the contacts, then two more for each that rubs, along its plane
-  std::vector<std::size_t> rubbing_;  // the contact of each two
-  Eigen::MatrixXd response_;          // speeds of the rows, for a unit impulse at each
-  std::vector<Vector3d> arms_;        // of each row on its two bodies
+  std::vector<Contact> rows_;  // the contacts, then two more for each that rubs, along its plane
+  Rubbing rubbing_;
+  Eigen::MatrixXd response_;    // speeds of the rows, for a unit impulse at each
+  std::vector<Vector3d> arms_;  // of each row on its two bodies
   mutable std::vector<Wrench> impulses_;
   mutable std::vector<Twist> change_;
 };

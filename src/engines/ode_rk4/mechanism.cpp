@@ -26,6 +26,24 @@ std::string kind(dJointID joint) {
       return "fixed joint";
     case dJointTypeAMotor:
       return "angular motor";
+    case dJointTypeLMotor:
+      return "linear motor";
+    case dJointTypeHinge2:
+      return "hinge2";
+    case dJointTypePiston:
+      return "piston";
+    case dJointTypePR:
+      return "PR joint";
+    case dJointTypePU:
+      return "PU joint";
+    case dJointTypePlane2D:
+      return "plane2d";
+    case dJointTypeDBall:
+      return "double ball joint";
+    case dJointTypeDHinge:
+      return "double hinge";
+    case dJointTypeTransmission:
+      return "transmission";
     case dJointTypeContact:
       return "contact joint";
     default:
@@ -70,14 +88,25 @@ Body read_body(dBodyID id, std::size_t number) {
   const auto refuse_if = [&](bool bad, const char* why) {
     if (bad) refuse(name(number) + why, id);
   };
-  refuse_if(dBodyIsKinematic(id) != 0, " is kinematic; only bodies with mass are moved");
-  refuse_if(dBodyIsEnabled(id) == 0, " is disabled; enable it with dBodyEnable");
-  refuse_if(dBodyGetLinearDamping(id) != 0 || dBodyGetAngularDamping(id) != 0, " is damped; set its damping to 0");
   refuse_if(dBodyGetMaxAngularSpeed(id) < dInfinity, " has a limited angular speed; set it to dInfinity");
   refuse_if(dBodyGetGyroscopicMode(id) == 0, " has its gyroscopic term off; set its gyroscopic mode to 1");
   dMass mass;
   dBodyGetMass(id, &mass);
-  Body body{id, 1 / mass.mass, {}, {}};
+  Body body{id,
+            1 / mass.mass,
+            {},
+            {},
+            {dBodyGetLinearDamping(id), dBodyGetLinearDampingThreshold(id)},
+            {dBodyGetAngularDamping(id), dBodyGetAngularDampingThreshold(id)}};
+  for (const Damping& damping : {body.linear, body.angular}) {
+    refuse_if(!(damping.share >= 0 && damping.share < 1), " has a damping that is not at least 0 and less than 1");
+  }
+  if (dBodyIsKinematic(id) != 0) {
+    body.inverse_mass = 0;
+    body.inertia = body.inverse_inertia = Matrix3d::Zero();
+    body.linear.share = body.angular.share = 0;
+    return body;
+  }
   for (Eigen::Index i = 0; i < 3; ++i) {
     for (Eigen::Index j = 0; j < 3; ++j) body.inertia(i, j) = mass.I[4 * i + j];
   }
@@ -88,6 +117,9 @@ Body read_body(dBodyID id, std::size_t number) {
   body.inverse_inertia = cholesky.solve(Matrix3d::Identity());
   return body;
 }
+
+// Of a suspension's CFM times the lighter mass, s^2 times what ODE's CFM is in: softer than the world's default by far.
+constexpr double rigid = 1e-6;
 
 struct Frame {
   Vector3d position = Vector3d::Zero();
@@ -115,7 +147,7 @@ class JointReader {
     dBodyID b = dJointGetBody(id, 1);
     reversed_ = a == nullptr;
     if (reversed_) std::swap(a, b);
-    joint_ = {id, numbers.at(a), b == nullptr ? world_body : numbers.at(b), {}, {}, {}, {}, {}};
+    joint_ = {id, numbers.at(a), b == nullptr ? world_body : numbers.at(b), {}, {}, {}, {}, {}, {}, {}};
     a_ = frame_of(a);
     b_ = frame_of(b);
   }
@@ -142,9 +174,10 @@ class JointReader {
                axis(reversed_ ? dJointGetUniversalAxis1 : dJointGetUniversalAxis2));
         break;
       case dJointTypeSlider:
-        motor(dJointGetSliderParam, 0, true, slider_axis(), Motor::Carrier::a);
+        motor(dJointGetSliderParam, 0, true, slider_axis(), Motor::Carrier::a,
+              joint_.b == world_body ? a_.position : b_.position);
         slider_stop();
-        slide(axis(dJointGetSliderAxis));
+        slide(axis(dJointGetSliderAxis), b_.position, b_.position);
         same_turn();
         break;
       case dJointTypeFixed:
@@ -155,10 +188,34 @@ class JointReader {
         if (dJointGetAMotorMode(id_) != dAMotorUser) refuse_this(" has mode dAMotorEuler; dAMotorUser is supported");
         angular_motors();
         break;
+      case dJointTypeHinge2:
+        hinge2();
+        break;
+      case dJointTypePiston:
+        piston();
+        break;
+      case dJointTypePR:
+        prismatic_rotoide();
+        break;
+      case dJointTypePU:
+        prismatic_universal();
+        break;
+      case dJointTypePlane2D:
+        plane();
+        break;
+      case dJointTypeDBall:
+        distance();
+        break;
+      case dJointTypeDHinge:
+        distance();
+        along(axis(dJointGetDHingeAxis));
+        joint_.slides.push_back(
+            {a_.direction(axis(dJointGetDHingeAxis)), joint_.distances.front().on_a, joint_.distances.front().on_b});
+        break;
       default:
         refuse_this(
-            " is of a kind that is not supported; ball, hinge, slider, universal and fixed are, and angular "
-            "motors, and contacts are made by the step itself");
+            " is of a kind that is not supported; linear motors and transmissions are not, and contacts are made by "
+            "the step itself");
     }
     return joint_;
   }
@@ -175,12 +232,13 @@ class JointReader {
         " has stops; only hinges and sliders may: set dParamLoStop to -dInfinity and dParamHiStop to dInfinity");
   }
 
-  void motor(GetParameter get, int group, bool slides, const Vector3d& in_world, Motor::Carrier carrier) {
+  void motor(GetParameter get, int group, bool slides, const Vector3d& in_world, Motor::Carrier carrier,
+             const Vector3d& on_line = Vector3d::Zero()) {
     if (get(id_, dParamFMax + group) == 0) return;
     const Vector3d in_frame = carrier == Motor::Carrier::a   ? a_.direction(in_world)
                               : carrier == Motor::Carrier::b ? b_.direction(in_world)
                                                              : in_world;
-    joint_.motors.push_back({slides, in_frame, carrier, group, 0, 0});
+    joint_.motors.push_back({slides, in_frame, carrier, b_.point(on_line), group, 0, 0});
   }
 
   void angular_motors() {
@@ -195,40 +253,125 @@ class JointReader {
                                       : Motor::Carrier::b);
     }
   }
-  void stop(GetParameter get, bool slides, const Vector3d& axis, const Vector3d& of_a, const Vector3d& of_b,
+  void stop(GetParameter get, int group, bool slides, const Vector3d& axis, const Vector3d& of_a, const Vector3d& of_b,
             double at_start) {
-    const double low = get(id_, dParamLoStop), high = get(id_, dParamHiStop);
+    const double low = get(id_, dParamLoStop + group), high = get(id_, dParamHiStop + group);
     if (low == -dInfinity && high == dInfinity) return;
-    joint_.stops.push_back({slides, a_.direction(axis), of_a, of_b, at_start, low, high, get(id_, dParamBounce)});
+    joint_.stops.push_back(
+        {slides, a_.direction(axis), of_a, of_b, at_start, low, high, get(id_, dParamBounce + group)});
+  }
+  /// About an axis of both bodies, that have turned by an angle.
+  void turning_stop(GetParameter get, int group, const Vector3d& n, double angle) {
+    const Vector3d across = n.unitOrthogonal();
+    stop(get, group, false, n, a_.direction(across), b_.direction(Eigen::AngleAxisd(-angle, n) * across), 0);
+  }
+  void sliding_stop(GetParameter get, int group, const Vector3d& axis, const Vector3d& at, double position) {
+    stop(get, group, true, axis, a_.point(at), b_.point(at), position);
   }
   void hinge_stop() {
-    const Vector3d n = axis(dJointGetHingeAxis);
-    const Vector3d across = n.unitOrthogonal();
-    const double angle = (reversed_ ? -1 : 1) * dJointGetHingeAngle(id_);
-    stop(dJointGetHingeParam, false, n, a_.direction(across), b_.direction(Eigen::AngleAxisd(-angle, n) * across), 0);
+    turning_stop(dJointGetHingeParam, 0, axis(dJointGetHingeAxis), (reversed_ ? -1 : 1) * dJointGetHingeAngle(id_));
   }
   /// Motors and stops of a slider go by the position that ODE reports; those of a hinge do not.
   Vector3d slider_axis() const { return (reversed_ ? -1 : 1) * axis(dJointGetSliderAxis); }
   void slider_stop() {
-    stop(dJointGetSliderParam, true, slider_axis(), a_.point(b_.position), b_.point(b_.position),
-         dJointGetSliderPosition(id_));
+    sliding_stop(dJointGetSliderParam, 0, slider_axis(), b_.position, dJointGetSliderPosition(id_));
   }
 
-  Vector3d axis(GetVector get) const {
+  /// The steering axis is a's, the wheel's is b's. Without a CFM of its own worth the name the suspension is rigid.
+  void hinge2() {
+    const Vector3d steering = axis(dJointGetHinge2Axis1), wheel = axis(dJointGetHinge2Axis2);
+    const Vector3d at_a = vector_of(dJointGetHinge2Anchor), at_b = vector_of(dJointGetHinge2Anchor2);
+    const double cfm = dJointGetHinge2Param(id_, dParamSuspensionCFM);
+    if (cfm * softest_mass() > rigid) {
+      slide(steering, at_a, at_b);
+      joint_.springs.push_back({a_.direction(steering), a_.point(at_a), b_.point(at_b),
+                                dJointGetHinge2Param(id_, dParamSuspensionERP), cfm});
+    } else {
+      point(at_a, at_b);
+    }
+    square(steering, wheel, steering.dot(wheel));
+    const Vector3d across = (wheel - steering.dot(wheel) * steering).normalized();
+    const double angle = dJointGetHinge2Angle1(id_);
+    const auto at_angle = [&](double of) { return Vector3d(Eigen::AngleAxisd(angle - of, steering) * across); };
+    const double low = dJointGetHinge2Param(id_, dParamLoStop);
+    if (low == dJointGetHinge2Param(id_, dParamHiStop)) {  // locked, as rear wheels are
+      square(steering.cross(at_angle(low)), wheel);
+    } else {
+      motor(dJointGetHinge2Param, 0, false, steering, Motor::Carrier::a);
+      stop(dJointGetHinge2Param, 0, false, steering, a_.direction(at_angle(0)), b_.direction(wheel), 0);
+    }
+    motor(dJointGetHinge2Param, 0x100, false, wheel, Motor::Carrier::b);
+  }
+  double softest_mass() const {
+    dMass a, b;
+    dBodyGetMass(dJointGetBody(id_, 0), &a);
+    dBodyGetMass(dJointGetBody(id_, 1), &b);
+    return std::min(a.mass, b.mass);
+  }
+
+  void body_first() const {
+    if (reversed_) refuse_this(" has the world as its first body; attach it as the second");
+  }
+  void piston() {
+    body_first();
+    const Vector3d along_it = axis(dJointGetPistonAxis);
+    const Vector3d at_a = vector_of(dJointGetPistonAnchor), at_b = vector_of(dJointGetPistonAnchor2);
+    slide(along_it, at_a, at_b);
+    along(along_it);
+    motor(dJointGetPistonParam, 0, true, along_it, Motor::Carrier::a, at_b);
+    motor(dJointGetPistonParam, 0x100, false, along_it, Motor::Carrier::a);
+    sliding_stop(dJointGetPistonParam, 0, along_it, at_b, dJointGetPistonPosition(id_));
+    turning_stop(dJointGetPistonParam, 0x100, along_it, dJointGetPistonAngle(id_));
+  }
+  void prismatic_rotoide() {
+    body_first();
+    const Vector3d way = axis(dJointGetPRAxis1), turn = axis(dJointGetPRAxis2), at = vector_of(dJointGetPRAnchor);
+    slide(way, at, at);
+    along(turn);
+    motor(dJointGetPRParam, 0, true, way, Motor::Carrier::a, at);
+    motor(dJointGetPRParam, 0x100, false, turn, Motor::Carrier::a);
+    sliding_stop(dJointGetPRParam, 0, way, at, dJointGetPRPosition(id_));
+    turning_stop(dJointGetPRParam, 0x100, turn, dJointGetPRAngle(id_));
+  }
+  void prismatic_universal() {
+    body_first();
+    for (const int group : {0, 0x100}) no_stops(dJointGetPUParam, group);
+    const Vector3d one = axis(dJointGetPUAxis1), other = axis(dJointGetPUAxis2), way = axis(dJointGetPUAxisP);
+    const Vector3d at = vector_of(dJointGetPUAnchor);
+    slide(way, at, at);
+    square(one, other);
+    motor(dJointGetPUParam, 0, false, one, Motor::Carrier::a);
+    motor(dJointGetPUParam, 0x100, false, other, Motor::Carrier::b);
+    motor(dJointGetPUParam, 0x200, true, way, Motor::Carrier::a, at);
+    sliding_stop(dJointGetPUParam, 0x200, way, at, dJointGetPUPosition(id_));
+  }
+  /// ODE keeps the centre at z = 0, and tells nothing of the motors.
+  void plane() {
+    body_first();
+    const Vector3d up = Vector3d::UnitZ();
+    joint_.slides.push_back({a_.direction(up), Vector3d::Zero(), Vector3d::Zero()});
+    along(up);
+  }
+  void distance() {
+    const double length = dJointGetDBallDistance(id_);
+    if (!(length > 0)) refuse_this(" keeps no distance between its anchors; take a ball joint");
+    const Vector3d one = vector_of(dJointGetDBallAnchor1), other = vector_of(dJointGetDBallAnchor2);
+    joint_.distances.push_back({a_.point(reversed_ ? other : one), b_.point(reversed_ ? one : other), length});
+  }
+
+  Vector3d vector_of(GetVector get) const {
     dVector3 v;
     get(id_, v);
-    return vector(v).normalized();
+    return vector(v);
   }
+  Vector3d axis(GetVector get) const { return vector_of(get).normalized(); }
 
   void anchors(GetVector first, GetVector second) {
-    dVector3 one, two;
-    first(id_, one);
-    second(id_, two);
-    point(vector(reversed_ ? two : one), vector(reversed_ ? one : two));
+    point(vector_of(reversed_ ? second : first), vector_of(reversed_ ? first : second));
   }
   void point(const Vector3d& of_a, const Vector3d& of_b) { joint_.points.push_back({a_.point(of_a), b_.point(of_b)}); }
-  void square(const Vector3d& of_a, const Vector3d& of_b) {
-    joint_.squares.push_back({a_.direction(of_a), b_.direction(of_b)});
+  void square(const Vector3d& of_a, const Vector3d& of_b, double cosine = 0) {
+    joint_.squares.push_back({a_.direction(of_a), b_.direction(of_b), cosine});
   }
   /// Both bodies keep this axis.
   void along(const Vector3d& axis) {
@@ -243,11 +386,11 @@ class JointReader {
     square(e.col(1), e.col(2));
     square(e.col(2), e.col(0));
   }
-  void slide(const Vector3d& axis) {
+  /// A point of b stays on the line through a point of a.
+  void slide(const Vector3d& axis, const Vector3d& of_a, const Vector3d& of_b) {
     const Vector3d p = axis.unitOrthogonal();
-    const Vector3d here = b_.position;
     for (const Vector3d& across : {p, Vector3d(axis.cross(p))}) {
-      joint_.slides.push_back({a_.direction(across), a_.point(here), b_.point(here)});
+      joint_.slides.push_back({a_.direction(across), a_.point(of_a), b_.point(of_b)});
     }
   }
 
@@ -302,23 +445,35 @@ Mechanism read_mechanism(dWorldID world, dSpaceID space, std::span<dxBody* const
   return mechanism;
 }
 
+Parameters parameters_of(dJointID joint) {
+  switch (dJointGetType(joint)) {
+    case dJointTypeHinge:
+      return {dJointGetHingeParam, 1};
+    case dJointTypeSlider:
+      return {dJointGetSliderParam, 1};
+    case dJointTypeUniversal:
+      return {dJointGetUniversalParam, 2};
+    case dJointTypeHinge2:
+      return {dJointGetHinge2Param, 2};
+    case dJointTypePiston:
+      return {dJointGetPistonParam, 2};
+    case dJointTypePR:
+      return {dJointGetPRParam, 2};
+    case dJointTypePU:
+      return {dJointGetPUParam, 3};
+    case dJointTypeAMotor:
+      return {dJointGetAMotorParam, dJointGetAMotorNumAxes(joint)};
+    default:
+      return {nullptr, 0};
+  }
+}
+
 void read_motors(Mechanism& mechanism) {
   for (Joint& joint : mechanism.joints) {
+    const Parameters parameters = parameters_of(joint.id);
     for (Motor& motor : joint.motors) {
-      const auto get = [&](int parameter) {
-        switch (dJointGetType(joint.id)) {
-          case dJointTypeHinge:
-            return dJointGetHingeParam(joint.id, parameter + motor.group);
-          case dJointTypeSlider:
-            return dJointGetSliderParam(joint.id, parameter + motor.group);
-          case dJointTypeUniversal:
-            return dJointGetUniversalParam(joint.id, parameter + motor.group);
-          default:
-            return dJointGetAMotorParam(joint.id, parameter + motor.group);
-        }
-      };
-      motor.velocity = get(dParamVel);
-      motor.most = get(dParamFMax);
+      motor.velocity = parameters.get(joint.id, dParamVel + motor.group);
+      motor.most = parameters.get(joint.id, dParamFMax + motor.group);
       if (!std::isfinite(motor.velocity) || !(motor.most >= 0)) {
         refuse(name(joint) + " has a motor with a velocity that is not finite, or no limit of force of 0 or more",
                mechanism.bodies[joint.a].id, joint.id);
@@ -327,12 +482,24 @@ void read_motors(Mechanism& mechanism) {
   }
 }
 
+namespace {
+
+Matrix3d turn_of(std::size_t body, std::span<const Matrix3d> turns) {
+  return body == world_body ? Matrix3d(Matrix3d::Identity()) : turns[body];
+}
+Vector3d position_of(std::size_t body, const State& state) {
+  return body == world_body ? Vector3d(Vector3d::Zero()) : state[body].pose.position;
+}
+
+}  // namespace
+
 MotorLine line_of(const Joint& joint, const Motor& motor, const State& state, std::span<const Matrix3d> turns) {
   MotorLine line{motor.axis, Vector3d::Zero(), Vector3d::Zero()};
   if (motor.carrier == Motor::Carrier::a) line.axis = turns[joint.a] * motor.axis;
-  if (motor.carrier == Motor::Carrier::b && joint.b != world_body) line.axis = turns[joint.b] * motor.axis;
-  if (motor.slides && !joint.slides.empty() && joint.b != world_body) {
-    line.on_a = state[joint.b].pose.position - state[joint.a].pose.position;
+  if (motor.carrier == Motor::Carrier::b) line.axis = turn_of(joint.b, turns) * motor.axis;
+  if (motor.slides) {
+    line.on_b = turn_of(joint.b, turns) * motor.on_b;
+    line.on_a = position_of(joint.b, state) + line.on_b - state[joint.a].pose.position;
   }
   return line;
 }
@@ -344,6 +511,17 @@ double motor_speed(const Joint& joint, const MotorLine& line, bool slides, const
     return line.axis.dot(slides ? Vector3d(twist.linear + twist.angular.cross(arm)) : twist.angular);
   };
   return of(joint.a, line.on_a) - of(joint.b, line.on_b);
+}
+
+MotorLine line_of(const Joint& joint, const Spring& spring, const State& state, std::span<const Matrix3d> turns) {
+  const Vector3d on_b = turn_of(joint.b, turns) * spring.on_b;
+  return {turns[joint.a] * spring.axis, position_of(joint.b, state) + on_b - state[joint.a].pose.position, on_b};
+}
+
+double pull(const Joint& joint, const Spring& spring, const State& state, std::span<const Matrix3d> turns) {
+  const MotorLine line = line_of(joint, spring, state, turns);
+  const double length = line.axis.dot(line.on_a - turns[joint.a] * spring.on_a);
+  return spring.stiffness * length - spring.damping * motor_speed(joint, line, true, state);
 }
 
 namespace {
@@ -394,7 +572,7 @@ void constrain(const Square& square, const Pair& now, Eigen::Index k, JointRows&
   const Vector3d row_rate = now.w_a.cross(p).cross(n) + p.cross(now.w_b.cross(n));
   rows.of_a.block<1, 3>(k, 3) = row.transpose();
   rows.of_b.block<1, 3>(k, 3) = -row.transpose();
-  rows.error[k] = p.dot(n);
+  rows.error[k] = p.dot(n) - square.cosine;
   rows.bias[k] = row_rate.dot(now.w_a - now.w_b);
 }
 
@@ -414,6 +592,23 @@ void constrain(const Slide& slide, const Pair& now, Eigen::Index k, JointRows& r
                  p.dot(w_b.cross(w_b.cross(r_b)) - w_a.cross(w_a.cross(r_a)));
 }
 
+void constrain(const Distance& distance, const Pair& now, Eigen::Index k, JointRows& rows) {
+  const Vector3d r_a = now.turn_a * distance.on_a;
+  const Vector3d r_b = now.turn_b * distance.on_b;
+  const Vector3d apart = now.x_a + r_a - now.x_b - r_b;
+  const Vector3d apart_rate = now.v_a + now.w_a.cross(r_a) - now.v_b - now.w_b.cross(r_b);
+  const double length = apart.norm();
+  const Vector3d n = apart / length;
+  rows.of_a.block<1, 3>(k, 0) = n.transpose();
+  rows.of_a.block<1, 3>(k, 3) = r_a.cross(n).transpose();
+  rows.of_b.block<1, 3>(k, 0) = -n.transpose();
+  rows.of_b.block<1, 3>(k, 3) = -r_b.cross(n).transpose();
+  rows.error[k] = length - distance.length;
+  const double along = n.dot(apart_rate);
+  rows.bias[k] = n.dot(now.w_a.cross(now.w_a.cross(r_a)) - now.w_b.cross(now.w_b.cross(r_b))) +
+                 (apart_rate.squaredNorm() - along * along) / length;
+}
+
 /// Of a motor that holds its velocity; another one's row says nothing.
 void constrain(const Motor& motor, const MotorLine& line, const Pair& now, Eigen::Index k, JointRows& rows) {
   const Vector3d& n = line.axis;
@@ -427,13 +622,15 @@ void constrain(const Motor& motor, const MotorLine& line, const Pair& now, Eigen
     rows.bias[k] = turning.dot(now.w_a - now.w_b);
     return;
   }
-  // The point of a that is at b's centre now moves through a.
-  const Vector3d apart = now.v_a + now.w_a.cross(line.on_a) - now.v_b;
-  const Vector3d arm_rate = line.on_a.isZero(0) ? Vector3d(Vector3d::Zero()) : Vector3d(now.v_b - now.v_a);
+  // The point of b moves through a.
+  const Vector3d point_rate = now.v_b + now.w_b.cross(line.on_b);
+  const Vector3d apart = now.v_a + now.w_a.cross(line.on_a) - point_rate;
   rows.of_a.block<1, 3>(k, 0) = n.transpose();
   rows.of_b.block<1, 3>(k, 0) = -n.transpose();
   rows.of_a.block<1, 3>(k, 3) = line.on_a.cross(n).transpose();
-  rows.bias[k] = turning.dot(apart) + n.dot(now.w_a.cross(arm_rate));
+  rows.of_b.block<1, 3>(k, 3) = -line.on_b.cross(n).transpose();
+  rows.bias[k] =
+      turning.dot(apart) + n.dot(now.w_a.cross(point_rate - now.v_a) - now.w_b.cross(now.w_b.cross(line.on_b)));
 }
 
 }  // namespace
@@ -447,6 +644,7 @@ void constrain(const Joint& joint, const State& state, std::span<const Matrix3d>
   }
   for (const Square& square : joint.squares) constrain(square, now, k++, rows);
   for (const Slide& slide : joint.slides) constrain(slide, now, k++, rows);
+  for (const Distance& distance : joint.distances) constrain(distance, now, k++, rows);
   for (const Motor& motor : joint.motors) {
     rows.of_a.row(k).setZero();
     rows.of_b.row(k).setZero();

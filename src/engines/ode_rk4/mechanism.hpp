@@ -2,19 +2,24 @@
 // Bodies and joints of an ODE world, as its public functions describe them, and the equations of constraint.
 //
 // World frame throughout. A twist (v, w) is the velocity of a body's centre and its angular velocity. A joint is up to
-// six scalar constraints C = 0 of three kinds, each with its row J (C' = J u over the twists u of its two bodies) and
+// six scalar constraints C = 0 of four kinds, each with its row J (C' = J u over the twists u of its two bodies) and
 // the part of C'' that holds no acceleration:
 //
-//   point   r_a - r_b = 0           three rows: the anchors coincide
-//   square  p . n = 0               p fixed in body a, n in body b
-//   slide   p . (r_b - r_a) = 0     p fixed in body a
+//   point     r_a - r_b = 0           three rows: the anchors coincide
+//   square    p . n = c               p fixed in body a, n in body b; c = 0 but for a hinge2
+//   slide     p . (r_b - r_a) = 0     p fixed in body a
+//   distance  |r_a - r_b| = d
 //
 //   ball      point                       universal  point, square
 //   hinge     point, 2 square             slider     2 slide, 3 square
-//   fixed     point, 3 square
+//   fixed     point, 3 square             piston     2 slide, 2 square
+//   PR        2 slide, 2 square           PU         2 slide, square
+//   dball     distance                    dhinge     distance, slide, 2 square
+//   plane2d   slide, 2 square             hinge2     point or (sprung) 2 slide, square, and one more if it is locked
 #include <ode/ode.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <map>
 #include <span>
 #include <string>
@@ -44,11 +49,25 @@ struct BodyNow {
 };
 using State = std::vector<BodyNow>;
 
+/// What ODE takes off a velocity once a step where it is above a threshold, and the drag that it stands for.
+struct Damping {
+  double share, threshold;
+  double rate = 0;  // 1/s, for the step at hand
+
+  void stand_for(double h) { rate = -std::log1p(-share) / h; }
+  double of(const Vector3d& velocity) const { return velocity.norm() > threshold ? rate : 0; }
+};
+
 struct Body {
   dBodyID id;
-  double inverse_mass;
+  double inverse_mass;       // 0: kinematic, it moves as it moves
   Matrix3d inertia;          // body frame
   Matrix3d inverse_inertia;  // body frame
+  Damping linear, angular;
+
+  bool asleep = false;  // disabled: no forces, until something moves it
+
+  bool damped() const { return linear.share > 0 || angular.share > 0; }
 };
 
 constexpr std::size_t world_body = static_cast<std::size_t>(-1);
@@ -58,10 +77,23 @@ struct Point {
 };
 struct Square {
   Vector3d p, n;  // p in a's frame, n in b's
+  double cosine = 0;
 };
 struct Slide {
   Vector3d p;           // in a's frame
   Vector3d on_a, on_b;  // points
+};
+
+struct Distance {
+  Vector3d on_a, on_b;
+  double length;
+};
+/// The suspension of a hinge2, along an axis: force and speed as ODE's ERP and CFM have them at the step at hand.
+struct Spring {
+  Vector3d axis;        // in a's frame
+  Vector3d on_a, on_b;  // points, apart by nothing where it rests
+  double erp, cfm;
+  double stiffness = 0, damping = 0;  // N/m, N s/m
 };
 
 /// What a motor may do at the moment.
@@ -76,6 +108,7 @@ struct Motor {
   bool slides;    // along the axis, else about it
   Vector3d axis;  // in the frame of its carrier
   Carrier carrier;
+  Vector3d on_b;    // where it slides, a point of its line, in b's frame
   int group;        // of ODE's parameters
   double velocity;  // of a against b, m/s or rad/s
   double most;      // N or N m
@@ -100,12 +133,14 @@ struct Joint {
   std::vector<Point> points;
   std::vector<Square> squares;
   std::vector<Slide> slides;
+  std::vector<Distance> distances;
   std::vector<Motor> motors;
   std::vector<Stop> stops;
+  std::vector<Spring> springs;
 
   /// Of constraints; those of motors come after.
   Eigen::Index constraints() const {
-    return static_cast<Eigen::Index>(3 * points.size() + squares.size() + slides.size());
+    return static_cast<Eigen::Index>(3 * points.size() + squares.size() + slides.size() + distances.size());
   }
   Eigen::Index rows() const { return constraints() + static_cast<Eigen::Index>(motors.size()); }
 };
@@ -134,9 +169,16 @@ Matrix3d rotation(const Eigen::Vector4d& turn);
 /// numbers them in this order; those of an earlier reading keep theirs. Throws AccurateStepError.
 Mechanism read_mechanism(dWorldID world, dSpaceID space, std::span<dxBody* const> given, const Mechanism& earlier = {});
 
+/// How ODE tells motors and stops of a kind of joint: by axis, in groups of parameters.
+struct Parameters {
+  dReal (*get)(dJointID, int);
+  int groups;  // 0x100 apart
+};
+Parameters parameters_of(dJointID joint);
+
 /// Velocities and limits of motors, as they are now.
 void read_motors(Mechanism& mechanism);
-/// The line of a motor, and the point that a force along it acts at (of those at the bodies' centres, none).
+/// The line of a motor or a spring, and the point that a force along it acts at.
 struct MotorLine {
   Vector3d axis;
   Vector3d on_a, on_b;  // arms from the bodies' centres
@@ -144,6 +186,10 @@ struct MotorLine {
 MotorLine line_of(const Joint& joint, const Motor& motor, const State& state, std::span<const Matrix3d> turns);
 /// Of a against b, m/s or rad/s.
 double motor_speed(const Joint& joint, const MotorLine& line, bool slides, const State& state);
+
+/// Of a spring, and the force along it on a.
+MotorLine line_of(const Joint& joint, const Spring& spring, const State& state, std::span<const Matrix3d> turns);
+double pull(const Joint& joint, const Spring& spring, const State& state, std::span<const Matrix3d> turns);
 
 /// "the hinge between body 0 and body 1"
 std::string name(const Joint& joint);

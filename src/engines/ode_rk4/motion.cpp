@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engines/ode_rk4/refuse.hpp"
+
 namespace odeval::engine_rk4 {
 namespace {
 
@@ -16,7 +18,9 @@ constexpr double small_correction = 1e-7;
 // Of a motor's velocity, and m/s or rad/s: it is there. Found to rounding by those who look for it.
 constexpr double reached = 1e-9;
 constexpr double limit_rounding = 1e-12;  // of a motor's limit
-constexpr double closed = 1e-13;          // m, rad: a hundred roundings of a body's size
+// Of h k h / m + h d / m: Runge's method of the fourth order bears 2.78.
+constexpr double stiffest = 2;
+constexpr double closed = 1e-13;  // m, rad: a hundred roundings of a body's size
 
 Eigen::Vector4d turn_rate(const Vector3d& w, const Eigen::Vector4d& q) {
   const Vector3d v = q.tail<3>();
@@ -58,6 +62,10 @@ Motion::Motion(Mechanism mechanism)
     jointed_[joint.a] = 1;
     if (joint.b != world_body) jointed_[joint.b] = 1;
     for (std::size_t k = 0; k < joint.motors.size(); ++k) motors_.push_back({j, k});
+    if (!joint.springs.empty()) sprung_.push_back(j);
+  }
+  for (std::size_t i = 0; i < bodies; ++i) {
+    if (mechanism_.bodies[i].damped()) damped_.push_back(i);
   }
   inverse_inertias_.resize(bodies);
   acceleration_.resize(bodies);
@@ -166,19 +174,83 @@ void Motion::accelerate(const State& state, const std::vector<Wrench>& forces) {
     const Motor& motor = place.of(mechanism_);
     if (motor.drive != Drive::pushes) continue;
     const Joint& joint = mechanism_.joints[place.joint];
-    const MotorLine line = line_of(joint, motor, state, turns_);
-    const auto push = [&](std::size_t body, const Vector3d& arm, const Vector3d& force) {
-      if (body == world_body) return;
-      const Twist change =
-          free_change(body, motor.slides ? Wrench{force, arm.cross(force)} : Wrench{Vector3d::Zero(), force});
-      acceleration_[body].linear += change.linear;
-      acceleration_[body].angular += change.angular;
-    };
-    push(joint.a, line.on_a, motor.force * line.axis);
-    push(joint.b, line.on_b, -motor.force * line.axis);
+    push_along(joint, line_of(joint, motor, state, turns_), motor.slides, motor.force);
+  }
+  for (const std::size_t j : sprung_) {
+    const Joint& joint = mechanism_.joints[j];
+    for (const Spring& spring : joint.springs) {
+      push_along(joint, line_of(joint, spring, state, turns_), true, pull(joint, spring, state, turns_));
+    }
+  }
+  for (const std::size_t i : damped_) {
+    const Body& body = mechanism_.bodies[i];
+    const Twist& twist = state[i].twist;
+    acceleration_[i].linear -= body.linear.of(twist.linear) * twist.linear;
+    acceleration_[i].angular -= body.angular.of(twist.angular) * twist.angular;
   }
   for (std::size_t j = 0; j < rows_.size(); ++j) lambda_[j] = rows_[j].bias;
   solve_onto(acceleration_);
+}
+
+/// On a, and the other way on b.
+void Motion::push_along(const Joint& joint, const MotorLine& line, bool slides, double force) {
+  const auto push = [&](std::size_t body, const Vector3d& arm, const Vector3d& by) {
+    if (body == world_body) return;
+    const Twist change = free_change(body, slides ? Wrench{by, arm.cross(by)} : Wrench{Vector3d::Zero(), by});
+    acceleration_[body].linear += change.linear;
+    acceleration_[body].angular += change.angular;
+  };
+  push(joint.a, line.on_a, force * line.axis);
+  push(joint.b, line.on_b, -force * line.axis);
+}
+
+/// As in ODE, who is joined to one that is awake is.
+void Motion::wake() {
+  bool some = false;
+  for (Body& body : mechanism_.bodies) {
+    body.asleep = dBodyIsEnabled(body.id) == 0;
+    some = some || body.asleep;
+  }
+  const auto awake = [this](std::size_t body) {
+    return body != world_body && !mechanism_.bodies[body].asleep && mechanism_.bodies[body].inverse_mass > 0;
+  };
+  for (bool woken = some; woken;) {
+    woken = false;
+    for (const Joint& joint : mechanism_.joints) {
+      if (joint.b == world_body || awake(joint.a) == awake(joint.b)) continue;
+      Body& other = mechanism_.bodies[awake(joint.a) ? joint.b : joint.a];
+      woken = woken || other.asleep;
+      other.asleep = false;
+    }
+  }
+  if (!some) return;
+  for (const MotorPlace& place : motors_) {
+    const Joint& joint = mechanism_.joints[place.joint];
+    if (!awake(joint.a) && !awake(joint.b)) place.of(mechanism_).most = 0;
+  }
+}
+
+void Motion::prepare(double h) {
+  if (has_motors()) read_motors(mechanism_);
+  wake();
+  for (const std::size_t i : damped_) {
+    mechanism_.bodies[i].linear.stand_for(h);
+    mechanism_.bodies[i].angular.stand_for(h);
+  }
+  for (const std::size_t j : sprung_) {
+    Joint& joint = mechanism_.joints[j];
+    const double lightness = mechanism_.bodies[joint.a].inverse_mass + mechanism_.bodies[joint.b].inverse_mass;
+    for (Spring& spring : joint.springs) {
+      spring.stiffness = spring.erp / (h * spring.cfm);
+      spring.damping = (1 - spring.erp) / spring.cfm;
+      if (mechanism_.bodies[joint.a].asleep) spring.stiffness = spring.damping = 0;
+      if (h * lightness * (h * spring.stiffness + spring.damping) <= stiffest) continue;
+      refuse(name(joint) + " has a suspension that is stiffer than a step of " + shown(h) +
+                 " s follows; raise its dParamSuspensionCFM to " + shown(h * lightness / stiffest) +
+                 " or more, or set it to 0: rigid",
+             mechanism_.bodies[joint.a].id, joint.id);
+    }
+  }
 }
 
 void Motion::release() {
@@ -376,16 +448,21 @@ void Motion::respond(const std::vector<Wrench>& impulses, std::vector<Twist>& ch
 Wrench Motion::force(const Matrix6& row, std::size_t joint, double sign) const {
   const Vector6 f = row.transpose() * stage_lambda_[joint];
   Wrench sum{f.head<3>(), f.tail<3>()};
-  for (const Motor& motor : mechanism_.joints[joint].motors) {
-    if (motor.drive != Drive::pushes) continue;
-    const MotorLine line = line_of(mechanism_.joints[joint], motor, stage_, turns_);
-    const Vector3d force = sign * motor.force * line.axis;
-    if (motor.slides) {
+  const auto add = [&](const MotorLine& line, bool slides, double size) {
+    const Vector3d force = sign * size * line.axis;
+    if (slides) {
       sum.force += force;
       sum.torque += (sign > 0 ? line.on_a : line.on_b).cross(force);
     } else {
       sum.torque += force;
     }
+  };
+  const Joint& of = mechanism_.joints[joint];
+  for (const Motor& motor : of.motors) {
+    if (motor.drive == Drive::pushes) add(line_of(of, motor, stage_, turns_), motor.slides, motor.force);
+  }
+  for (const Spring& spring : of.springs) {
+    add(line_of(of, spring, stage_, turns_), true, pull(of, spring, stage_, turns_));
   }
   return sum;
 }

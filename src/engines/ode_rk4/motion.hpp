@@ -58,8 +58,9 @@ class Motion {
   /// A state moved by h, joints kept. Errors: of the state that it started from, and of the one it came to.
   JointErrors step(const State& from, Forces& forces, double h, State& to);
 
-  /// Reads velocities and limits of the motors anew.
-  void read_motors() { engine_rk4::read_motors(mechanism_); }
+  /// For a step of h: reads velocities and limits of the motors anew, who is asleep, and what springs and damping
+  /// are at that step. Throws AccurateStepError for a spring that is stiffer than the step can follow.
+  void prepare(double h);
   bool has_motors() const { return !motors_.empty(); }
   /// Decides which motors hold and which push from this state on, `t` into the step. `broken` ones hold no more.
   void drive(const State& state, Forces& forces, double t, std::span<const std::size_t> broken);
@@ -108,7 +109,9 @@ class Motion {
   JointError largest_error() const;  // of the rows
   void factor();                     // the matrix of the rows
   void add_product(std::size_t i, std::size_t j, std::size_t body, Matrix6& block) const;
+  void wake();
   void accelerate(const State& state, const std::vector<Wrench>& forces);
+  void push_along(const Joint& joint, const MotorLine& line, bool slides, double force);
   JointErrors finish(State& state);
   void project_velocities(State& state);
   void release();
@@ -122,6 +125,8 @@ class Motion {
   BlockLdl matrix_;
   std::vector<char> jointed_;
   std::vector<MotorPlace> motors_;
+  std::vector<std::size_t> sprung_;  // joints
+  std::vector<std::size_t> damped_;  // bodies
   std::vector<Matrix3d> turns_;
   std::vector<Matrix3d> inverse_inertias_;  // world frame
   std::vector<JointRows> rows_;

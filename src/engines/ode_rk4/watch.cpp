@@ -1,5 +1,6 @@
 #include "engines/ode_rk4/watch.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -43,11 +44,11 @@ bool look_at_bodies(const Mechanism& mechanism, See&& see) {
     }
     dMass mass;
     dBodyGetMass(body.id, &mass);
-    const int flags = (dBodyIsKinematic(body.id) != 0 ? 1 : 0) + (dBodyIsEnabled(body.id) != 0 ? 2 : 0) +
-                      (dBodyGetGyroscopicMode(body.id) != 0 ? 4 : 0);
+    const int flags = (dBodyIsKinematic(body.id) != 0 ? 1 : 0) + (dBodyGetGyroscopicMode(body.id) != 0 ? 2 : 0);
     bool same = see(bits(joints)) && see(bits(flags)) && see(bits(mass.mass)) &&
                 see(bits(dBodyGetLinearDamping(body.id))) && see(bits(dBodyGetAngularDamping(body.id))) &&
-                see(bits(dBodyGetMaxAngularSpeed(body.id)));
+                see(bits(dBodyGetLinearDampingThreshold(body.id))) &&
+                see(bits(dBodyGetAngularDampingThreshold(body.id))) && see(bits(dBodyGetMaxAngularSpeed(body.id)));
     for (const int element : {0, 1, 2, 5, 6, 10}) same = same && see(bits(mass.I[element]));
     if (!same) return false;
   }
@@ -59,57 +60,94 @@ bool look_at_joints(const Mechanism& mechanism, See&& see) {
   for (const Joint& joint : mechanism.joints) {
     const dJointID id = joint.id;
     const dJointType type = dJointGetType(id);
-    const auto limits = [&](dReal (*get)(dJointID, int), int group) {
-      // A motor's velocity and limit are read at every step, and so are none of what it has not.
-      return see(bits(get(id, dParamFMax + group) != 0 ? 1 : 0)) && see(bits(get(id, dParamLoStop + group))) &&
-             see(bits(get(id, dParamHiStop + group))) && see(bits(get(id, dParamBounce + group)));
-    };
+    const Parameters parameters = parameters_of(id);
     bool same = see(bits(static_cast<int>(type))) && see(bits(dJointIsEnabled(id))) &&
-                see(bits(dJointGetBody(id, 0))) && see(bits(dJointGetBody(id, 1)));
-    if (type == dJointTypeHinge) same = same && limits(dJointGetHingeParam, 0);
+                see(bits(dJointGetBody(id, 0))) && see(bits(dJointGetBody(id, 1))) && see(bits(parameters.groups));
+    for (int k = 0; k < parameters.groups; ++k) {
+      // A motor's velocity and limit are read at every step, and so are none of what it has not.
+      const auto get = [&](int parameter) { return parameters.get(id, parameter + 0x100 * k); };
+      same = same && see(bits(get(dParamFMax) != 0 ? 1 : 0)) && see(bits(get(dParamLoStop))) &&
+             see(bits(get(dParamHiStop))) && see(bits(get(dParamBounce)));
+    }
     if (type == dJointTypeAMotor) {
-      same = same && see(bits(dJointGetAMotorNumAxes(id))) && see(bits(dJointGetAMotorMode(id)));
-      for (int k = 0; k < dJointGetAMotorNumAxes(id); ++k) {
-        same = same && see(bits(dJointGetAMotorAxisRel(id, k))) && limits(dJointGetAMotorParam, 0x100 * k);
-      }
+      same = same && see(bits(dJointGetAMotorMode(id)));
+      for (int k = 0; k < parameters.groups; ++k) same = same && see(bits(dJointGetAMotorAxisRel(id, k)));
     }
-    if (type == dJointTypeSlider) same = same && limits(dJointGetSliderParam, 0);
-    if (type == dJointTypeUniversal) {
-      same = same && limits(dJointGetUniversalParam, 0) && limits(dJointGetUniversalParam, 0x100);
+    if (type == dJointTypeHinge2) {
+      for (const int of : {dParamSuspensionERP, dParamSuspensionCFM}) same = same && see(bits(parameters.get(id, of)));
     }
+    if (type == dJointTypeDBall || type == dJointTypeDHinge) same = same && see(bits(dJointGetDBallDistance(id)));
     if (!same) return false;
   }
   return true;
 }
 
-/// Anchor and axis in the frame of the joint's first body (the second, where ODE calls the world the first); zeros for
-/// what a joint has not.
+/// An anchor and an axis, each in the frame of a body that it is fixed to; zeros for what a joint has not. Where ODE
+/// calls the world the first body, the second one's.
 std::array<double, 6> place(dJointID joint) {
-  const dBodyID first = dJointGetBody(joint, 0);
-  const bool reversed = first == nullptr;
-  const dBodyID body = reversed ? dJointGetBody(joint, 1) : first;
-  dVector3 anchor{}, axis{}, on_body{}, in_body{};
+  using Get = void (*)(dJointID, dReal*);
+  const bool reversed = dJointGetBody(joint, 0) == nullptr;
+  const dBodyID body = dJointGetBody(joint, reversed ? 1 : 0);
+  std::array<double, 6> found{};
+  const auto anchor = [&](Get get, dBodyID of) {
+    dVector3 now, on_body{};
+    get(joint, now);
+    if (of != nullptr) {
+      dBodyGetPosRelPoint(of, now[0], now[1], now[2], on_body);
+    } else {
+      std::copy_n(now, 3, on_body);
+    }
+    std::copy_n(on_body, 3, found.begin());
+  };
+  const auto axis = [&](Get get) {
+    dVector3 now, in_body;
+    get(joint, now);
+    dBodyVectorFromWorld(body, now[0], now[1], now[2], in_body);
+    std::copy_n(in_body, 3, found.begin() + 3);
+  };
+  const dBodyID other = dJointGetBody(joint, 1);
   switch (dJointGetType(joint)) {
     case dJointTypeBall:
-      (reversed ? dJointGetBallAnchor2 : dJointGetBallAnchor)(joint, anchor);
+      anchor(reversed ? dJointGetBallAnchor2 : dJointGetBallAnchor, body);
       break;
     case dJointTypeHinge:
-      (reversed ? dJointGetHingeAnchor2 : dJointGetHingeAnchor)(joint, anchor);
-      dJointGetHingeAxis(joint, axis);
+      anchor(reversed ? dJointGetHingeAnchor2 : dJointGetHingeAnchor, body);
+      axis(dJointGetHingeAxis);
       break;
     case dJointTypeUniversal:
-      (reversed ? dJointGetUniversalAnchor2 : dJointGetUniversalAnchor)(joint, anchor);
-      (reversed ? dJointGetUniversalAxis2 : dJointGetUniversalAxis1)(joint, axis);
+      anchor(reversed ? dJointGetUniversalAnchor2 : dJointGetUniversalAnchor, body);
+      axis(reversed ? dJointGetUniversalAxis2 : dJointGetUniversalAxis1);
       break;
     case dJointTypeSlider:
-      dJointGetSliderAxis(joint, axis);
+      axis(dJointGetSliderAxis);
+      break;
+    case dJointTypeHinge2:
+      anchor(dJointGetHinge2Anchor, body);
+      axis(dJointGetHinge2Axis1);
+      break;
+    case dJointTypePiston:
+      anchor(dJointGetPistonAnchor, body);
+      axis(dJointGetPistonAxis);
+      break;
+    case dJointTypePR:
+      anchor(dJointGetPRAnchor, other);
+      axis(dJointGetPRAxis1);
+      break;
+    case dJointTypePU:
+      anchor(dJointGetPUAnchor, other);
+      axis(dJointGetPUAxis1);
+      break;
+    case dJointTypeDBall:
+      anchor(reversed ? dJointGetDBallAnchor2 : dJointGetDBallAnchor1, body);
+      break;
+    case dJointTypeDHinge:
+      anchor(reversed ? dJointGetDHingeAnchor2 : dJointGetDHingeAnchor1, body);
+      axis(dJointGetDHingeAxis);
       break;
     default:
-      return {};
+      break;
   }
-  if (dJointGetType(joint) != dJointTypeSlider) dBodyGetPosRelPoint(body, anchor[0], anchor[1], anchor[2], on_body);
-  dBodyVectorFromWorld(body, axis[0], axis[1], axis[2], in_body);
-  return {on_body[0], on_body[1], on_body[2], in_body[0], in_body[1], in_body[2]};
+  return found;
 }
 
 }  // namespace

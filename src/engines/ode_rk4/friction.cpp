@@ -1,0 +1,265 @@
+#include "engines/ode_rk4/friction.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "engines/ode_rk4/complementarity.hpp"
+
+namespace odeval::engine_rk4 {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix2d;
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::VectorXd;
+
+constexpr double rounding = 1e-12;   // of the fastest speed, of the largest impulse
+constexpr double softness = 1e-6;    // of the contacts, against their own response; made up for from round to round
+constexpr double agreement = 1e-10;  // of the largest impulse: soft shares are rounded to that
+// Of Newton's method, and of the rounds that make up for softness; it has failed by then.
+constexpr int most_newtons = 20, most_softs = 6;
+constexpr Index most_rows = 150;
+constexpr double most_work = 5e6;  // cubes of the rows of its matrices, in one call: a millisecond or two
+constexpr int most_looks = 50;     // sweeps that bring it near enough, where where it was is not
+// Of friction and normal impulses in turn: to the end for a few bodies that stand; a heap goes on from where it was.
+constexpr int most_rounds = 100, most_rounds_of_many = 6;
+constexpr int most_sweeps = 1000, most_sweeps_of_many = 20;
+constexpr Index many = 24;  // rows of friction
+
+/// As good as it gets: `last` is what was left a round before.
+bool done(double left, double last, double scale) {
+  return left <= rounding * scale && (left <= rounding / 1000 * scale || left > last / 2);
+}
+
+/// The equations of Alart and Curnier (Comput. Methods Appl. Mech. Eng. 92, 1991), solved by Newton's method on
+/// the pieces of which they are smooth: a contact is open, sticks or slides.
+class Newton {
+ public:
+  Newton(const MatrixXd& a, const Rubbing& rubbing) : a_(a), rubbing_(rubbing) {}
+
+  /// From p; nothing where it fails.
+  std::optional<VectorXd> solve(const VectorXd& v, VectorXd p) {
+    const VectorXd stiff = a_.diagonal().cwiseMax(1e-300).cwiseInverse();
+    const double scale = std::max(p.cwiseAbs().maxCoeff(), v.cwiseProduct(stiff).cwiseAbs().maxCoeff());
+    double last = INFINITY;
+    for (int round = 0; round < most_newtons; ++round) {
+      choose(v, p);
+      const double off = residual_.cwiseAbs().maxCoeff();
+      if (done(off, last, scale)) return p;
+      last = off;
+      const auto k = static_cast<Index>(rows_.size());
+      work_ += static_cast<double>(k * k * k);
+      if (work_ > most_work) return std::nullopt;
+      for (Index i = 0; i < p.size(); ++i) p[i] = open_[static_cast<std::size_t>(i)] != 0 ? 0 : p[i];
+      assemble(v, p);
+      if (k > 0) p(rows_) -= matrix_.partialPivLu().solve(right_);
+      if (!p.allFinite()) return std::nullopt;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  static Index row_of(std::size_t pair, Index normals) { return normals + static_cast<Index>(2 * pair); }
+  Index normals() const { return a_.rows() - rubbing_.rows(); }
+  double stiffness(Index i) const { return a_(i, i) > 0 ? 1 / a_(i, i) : 0; }
+  double stiffness_across(Index i) const {
+    const double steepest = std::max(a_(i, i), a_(i + 1, i + 1));
+    return steepest > 0 ? 1 / steepest : 0;
+  }
+
+  /// Which contacts are open, and how far impulses are from what they should be.
+  void choose(const VectorXd& v, const VectorXd& p) {
+    const VectorXd u = v + a_ * p;
+    open_.assign(static_cast<std::size_t>(p.size()), 0);
+    rows_.clear();
+    slides_.assign(rubbing_.contact.size(), 0);
+    residual_ = VectorXd::Zero(p.size());
+    for (Index i = 0; i < normals(); ++i) {
+      const double pushes = p[i] - stiffness(i) * u[i];
+      open_[static_cast<std::size_t>(i)] = pushes > 0 && a_(i, i) > 0 ? 0 : 1;
+      residual_[i] = p[i] - (open_[static_cast<std::size_t>(i)] != 0 ? 0 : pushes);
+      if (open_[static_cast<std::size_t>(i)] == 0) rows_.push_back(i);
+    }
+    for (std::size_t k = 0; k < slides_.size(); ++k) {
+      const Index row = row_of(k, normals());
+      const Vector2d wanted = p.segment<2>(row) - stiffness_across(row) * u.segment<2>(row);
+      const bool open = open_[static_cast<std::size_t>(rubbing_.contact[k])] != 0 || stiffness_across(row) == 0;
+      const double most = open ? 0 : rubbing_.coefficient[k] * std::max(0.0, p[rubbing_.contact[k]]);
+      slides_[k] = wanted.norm() > most ? 1 : 0;
+      residual_.segment<2>(row) = p.segment<2>(row) - (slides_[k] != 0 ? Vector2d(most * wanted.normalized()) : wanted);
+      for (Index i = row; i < row + 2; ++i) {
+        open_[static_cast<std::size_t>(i)] = open ? 1 : 0;
+        if (!open) rows_.push_back(i);
+      }
+    }
+  }
+
+  /// Of those that are not open.
+  void assemble(const VectorXd& v, const VectorXd& p) {
+    const VectorXd u = v + a_ * p;
+    matrix_ = a_(rows_, rows_);
+    right_ = u(rows_);
+    const auto place = [this](Index row) {
+      return static_cast<Index>(std::ranges::lower_bound(rows_, row) - rows_.begin());
+    };
+    for (std::size_t k = 0; k < slides_.size(); ++k) {
+      const Index row = row_of(k, normals());
+      if (slides_[k] == 0 || open_[static_cast<std::size_t>(row)] != 0) continue;
+      const Index at = place(row), normal = place(rubbing_.contact[k]);
+      const double stiff = stiffness_across(row);
+      const Vector2d wanted = p.segment<2>(row) - stiff * u.segment<2>(row);
+      const double size = std::max(wanted.norm(), 1e-300);
+      const Vector2d along = wanted / size;
+      const double most = rubbing_.coefficient[k] * std::max(0.0, p[rubbing_.contact[k]]);
+      const Matrix2d turn = most / size * (Matrix2d::Identity() - along * along.transpose());
+      const MatrixXd across = stiff * turn * matrix_.middleRows<2>(at);
+      matrix_.middleRows<2>(at) = across;
+      matrix_.block<2, 2>(at, at) += Matrix2d::Identity() - turn;
+      matrix_.block<2, 1>(at, normal) -= rubbing_.coefficient[k] * along;
+      right_.segment<2>(at) = p.segment<2>(row) - most * along;
+    }
+  }
+
+  const MatrixXd& a_;
+  const Rubbing& rubbing_;
+  double work_ = 0;
+  std::vector<char> open_, slides_;
+  std::vector<Index> rows_;
+  VectorXd residual_, right_;
+  MatrixXd matrix_;
+};
+
+/// By Newton's method, softened contacts pushing on from what they pushed in the round before.
+class AtOnce {
+ public:
+  AtOnce(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing)
+      : v_(v), soft_(softness * a.diagonal()), softened_(a), newton_(softened_, rubbing) {
+    softened_.diagonal() += soft_;
+  }
+  AtOnce(const AtOnce&) = delete;
+  AtOnce& operator=(const AtOnce&) = delete;
+
+  /// From p; nothing where it fails.
+  std::optional<VectorXd> solve(VectorXd p) {
+    double last = INFINITY;
+    for (int round = 0; round < most_softs; ++round) {
+      const auto now = newton_.solve(v_ - soft_.cwiseProduct(p), p);
+      if (!now) return std::nullopt;
+      const double given = soft_.cwiseProduct(*now - p).cwiseAbs().maxCoeff();
+      p = *now;
+      if (done(given, last, v_.cwiseAbs().maxCoeff())) return p;
+      last = given;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  const VectorXd& v_;
+  VectorXd soft_;
+  MatrixXd softened_;
+  Newton newton_;
+};
+
+/// Contact after contact, its normal and its friction: near the solution in most cases.
+VectorXd swept(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing, VectorXd p) {
+  const Index n = v.size() - rubbing.rows();
+  for (int sweep = 0; sweep < most_looks; ++sweep) {
+    for (Index i = 0; i < n; ++i) {
+      if (a(i, i) > 0) p[i] = std::max(0.0, p[i] - (v[i] + a.row(i).dot(p)) / a(i, i));
+    }
+    for (std::size_t k = 0; k < rubbing.contact.size(); ++k) {
+      const Index row = n + static_cast<Index>(2 * k);
+      const double steepest = std::max(a(row, row), a(row + 1, row + 1));
+      if (steepest <= 0) continue;
+      Vector2d now = p.segment<2>(row) - (v.segment<2>(row) + a.middleRows<2>(row) * p) / steepest;
+      const double most = rubbing.coefficient[k] * p[rubbing.contact[k]];
+      if (now.norm() > most) now *= most / now.norm();
+      p.segment<2>(row) = now;
+    }
+  }
+  return p;
+}
+
+/// What would push if nothing slid.
+VectorXd sticking(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing) {
+  const Index m = rubbing.rows(), n = v.size() - m;
+  MatrixXd across = a.bottomRightCorner(m, m);
+  across.diagonal() *= 1 + softness;
+  across.diagonal().array() += 1e-300;
+  const Eigen::LDLT<MatrixXd> stuck(across);
+  const MatrixXd follow = stuck.solve(a.bottomLeftCorner(m, n));
+  VectorXd p(v.size());
+  p.tail(m) = stuck.solve(v.tail(m));
+  MatrixXd left = a.topLeftCorner(n, n) - a.topRightCorner(n, m) * follow;
+  left.diagonal() += softness * a.diagonal().head(n);
+  p.head(n) = complementary(left, v.head(n) - a.topRightCorner(n, m) * p.tail(m));
+  p.tail(m) = -p.tail(m) - follow * p.head(n);
+  return p;
+}
+
+/// Normal impulses for given friction and friction for given normal impulses in turn, until they agree.
+VectorXd hold_in_turn(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing, VectorXd p) {
+  const Index m = rubbing.rows(), n = v.size() - m;
+  const MatrixXd normal = a.topLeftCorner(n, n);
+  const double soft = softness * normal.diagonal().maxCoeff();
+  const MatrixXd softened = normal + soft * MatrixXd::Identity(n, n);
+  const int rounds = m > many ? most_rounds_of_many : most_rounds;
+  for (int round = 0; round < rounds; ++round) {
+    const VectorXd was = p;
+    const VectorXd closing = v.head(n) + a.topRightCorner(n, m) * p.tail(m);
+    p.head(n) = complementary(softened, closing - soft * was.head(n));
+    p.tail(m) =
+        rub(a.bottomRightCorner(m, m), v.tail(m) + a.bottomLeftCorner(m, n) * p.head(n), rubbing, p.head(n), p.tail(m));
+    if ((p - was).cwiseAbs().maxCoeff() <= agreement * p.cwiseAbs().maxCoeff()) break;
+  }
+  return p;
+}
+
+}  // namespace
+
+VectorXd hold(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing, VectorXd p) {
+  if (v.size() <= most_rows) {
+    AtOnce solver(a, v, rubbing);
+    auto at_once = solver.solve(p);
+    if (!at_once) at_once = solver.solve(swept(a, v, rubbing, p));
+    if (!at_once) at_once = solver.solve(sticking(a, v, rubbing));
+    if (at_once && !adds_energy(a, v, *at_once)) return *at_once;
+  }
+  return hold_in_turn(a, v, rubbing, std::move(p));
+}
+
+/// By projected gradients, contact after contact.
+VectorXd rub(const MatrixXd& a, const VectorXd& speeds, const Rubbing& rubbing, const VectorXd& normal, VectorXd p) {
+  VectorXd v = speeds + a * p;
+  const double enough = rounding / 100 * speeds.cwiseAbs().maxCoeff();
+  const int sweeps = rubbing.rows() > many ? most_sweeps_of_many : most_sweeps;
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
+    double moved = 0;
+    for (std::size_t k = 0; k < rubbing.contact.size(); ++k) {
+      const auto row = static_cast<Index>(2 * k);
+      const Matrix2d own = a.block<2, 2>(row, row);
+      const double steepest = own.trace() / 2 + std::hypot((own(0, 0) - own(1, 1)) / 2, own(0, 1));
+      if (steepest <= 0) continue;
+      const Vector2d was = p.segment<2>(row);
+      Vector2d now = was - v.segment<2>(row) / steepest;
+      const double most = rubbing.coefficient[k] * normal[rubbing.contact[k]];
+      if (now.norm() > most) now *= most / now.norm();
+      const Vector2d change = now - was;
+      v += a.middleCols<2>(row) * change;
+      p.segment<2>(row) = now;
+      moved = std::max(moved, steepest * change.norm());
+    }
+    if (moved <= enough) break;
+  }
+  return p;
+}
+
+bool adds_energy(const MatrixXd& a, const VectorXd& v, const VectorXd& p) {
+  return !(p.dot(2 * v + a * p) <= rounding * p.cwiseAbs().dot(v.cwiseAbs()));
+}
+
+}  // namespace odeval::engine_rk4
