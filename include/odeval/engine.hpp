@@ -84,8 +84,8 @@ class Features {
 /// What a scenario asks of whoever moves it: read off its mechanism and its views, not off its name.
 Features features_of(const Scenario& scenario);
 
-/// "no friction, no stops": what is asked and not there, in the order of the enumeration. Empty of an empty set.
-std::string lacking(Features lacking);
+/// "friction, stops": in the order of the enumeration. Empty of an empty set.
+std::string listed(Features features);
 
 /// A key that an engine reads, and where it makes a difference.
 struct EngineSetting {

@@ -199,7 +199,7 @@ void require_does(const Method& method, const Scenario& scenario, const std::str
     if (does(other, scenario)) others += (others.empty() ? "" : ", ") + std::string(other.name);
   }
   throw UserError(origin + ": method '" + std::string(method.name) + "' can not do scenario '" + scenario.name +
-                  "': it has " + lacking(missing) + "; these can: " + others);
+                  "', which has " + listed(missing) + "; these can: " + others);
 }
 
 }  // namespace odeval::catalogue

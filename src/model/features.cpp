@@ -64,13 +64,13 @@ Features features_of(const Scenario& scenario) {
   return asked;
 }
 
-std::string lacking(Features lacking) {
+std::string listed(Features features) {
   std::string words;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto feature = static_cast<Feature>(i);
-    const bool said = feature == Feature::many_links && lacking.has(Feature::several_links);
-    if (!lacking.has(feature) || said) continue;
-    words += (words.empty() ? "no " : ", no ") + std::string(names[i]);
+    const bool said = feature == Feature::many_links && features.has(Feature::several_links);
+    if (!features.has(feature) || said) continue;
+    words += (words.empty() ? "" : ", ") + std::string(names[i]);
   }
   return words;
 }

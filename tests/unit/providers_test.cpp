@@ -73,9 +73,9 @@ void what_is_not() {
   const Change motor = [](Scenario& s) { s.mechanism.joints[0].motor = Motor{1, 1}; };
   const Change stop = [](Scenario& s) { s.mechanism.joints[0].stop = Stop{-1, 1, 0}; };
   const Change tensor = [](Scenario& s) { s.mechanism.bodies[0].inertia_kgm2 = {1, 0, 0, 0, 1, 0, 0, 0, 1}; };
-  refused(of_bodies({box}, {pin}), motor, "bodies.toml: there is no reference: the references have no motors");
-  refused(of_bodies({box}, {pin}), stop, "the references have no stops");
-  refused(chain(2, LinkShape::box), motor, "chain.toml: there is no reference: the references have no motors");
+  refused(of_bodies({box}, {pin}), motor, "bodies.toml: there is no reference for what has motors");
+  refused(of_bodies({box}, {pin}), stop, "there is no reference for what has stops");
+  refused(chain(2, LinkShape::box), motor, "chain.toml: there is no reference for what has motors");
 
   const char* const together = "there is no reference for these bodies, joints and contacts together";
   refused(of_bodies({}), nothing, together);
@@ -101,7 +101,7 @@ void what_is_not() {
       },
       together);
   refused(chain(2, LinkShape::box), tensor,
-          with_trees ? together : "the references have no inertia tensors of their own");
+          with_trees ? together : "there is no reference for what has inertia tensors of their own");
   refused(
       on_plane({ball}, {}), [](Scenario& s) { s.mechanism.joints = {pin}; }, together);
   refused(
