@@ -25,6 +25,7 @@ constexpr std::array table{
     Command{"check", "every tolerance of the scenario files; exit status 1 if one fails", attach_check},
     Command{"compare", "two folders of results: same bytes, same within uncertainty, or different (exit 1)",
             attach_compare},
+    Command{"audit", "how wrong is a running ODE program? It is run unchanged and at smaller steps", attach_audit},
     Command{"report", "all of it, and the verdicts on the 2010 report's claims, as one page", attach_report},
 };
 
