@@ -75,9 +75,11 @@ std::size_t Spread::best_degree() const {
   return best;
 }
 
-Estimate Spread::error(std::size_t run) const {
+Estimate Spread::error(std::size_t run, double unseen, double rounding) const {
   const std::size_t degree = best_degree();
-  return {off_[run * runs() + degree], uncertainty(degree)};
+  Estimate its{off_[run * runs() + degree], uncertainty(degree) + unseen + rounding, Convergence::none};
+  its.convergence = convergence(its, unseen);
+  return its;
 }
 
 std::optional<double> Spread::order_of(std::size_t first, std::size_t last) const {
@@ -87,14 +89,17 @@ std::optional<double> Spread::order_of(std::size_t first, std::size_t last) cons
 
 std::optional<double> Spread::order() const { return order_of(runs() - 2, runs() - 1); }
 
-// Where an impact falls in a step makes one difference small by chance, so that all of them are asked.
-Convergence Spread::convergence(const Estimate& error) const {
+// Where an impact falls in a step makes one difference small by chance, so that all of them are asked; and differences
+// that are no larger than that chance do not say that there is no limit.
+Convergence Spread::convergence(const Estimate& error, double unseen) const {
   if (error.uncertainty <= 0.1 * error.value) return Convergence::settled;
-  constexpr double nothing = 1e-12;  // m or rad: rounding
+  constexpr double nothing = 1e-9;  // m or rad: nobody's concern, and near rounding
   if (error.value + error.uncertainty <= nothing) return Convergence::settled;
   constexpr double hardly = 0.3;  // 2 to the power of it is 1.2: halving the step takes away a fifth
-  const std::optional<double> falls = order_of(1, runs() - 1);
-  return falls && *falls > hardly ? Convergence::rough : Convergence::none;
+  const std::size_t last = runs() - 1;
+  const std::optional<double> falls = order_of(1, last);
+  const bool by_chance = apart(last, 0) <= unseen * steps_[last - 1] / steps_[last];
+  return by_chance || (falls && *falls > hardly) ? Convergence::rough : Convergence::none;
 }
 
 }  // namespace odeval::audit

@@ -26,18 +26,18 @@ class Spread {
   /// The larger of both.
   void add(const Spread& other);
 
-  /// The difference of a run from the limit.
-  Estimate error(std::size_t run) const;
+  /// The difference of a run from the limit. `unseen` is what no run sees of bends and jumps (the judge's to know), and
+  /// more of what the limit may be off by, as `rounding` is.
+  Estimate error(std::size_t run, double unseen = 0, double rounding = 0) const;
   /// Of the last three runs; nothing where they do not differ.
   std::optional<double> order() const;
-  /// Of an error with all that it is uncertain by.
-  Convergence convergence(const Estimate& error) const;
 
  private:
   double apart(std::size_t run, std::size_t degree) const { return apart_[run * runs() + degree]; }
   /// By the distances of run `first` and run `last` from those before them.
   std::optional<double> order_of(std::size_t first, std::size_t last) const;
   double uncertainty(std::size_t degree) const;
+  Convergence convergence(const Estimate& error, double unseen) const;
   std::size_t best_degree() const;
 
   std::vector<double> steps_;  // in units of h

@@ -52,14 +52,13 @@ double turn(const double* a, const double* b) {
 /// What rounding has come to: the motion makes it grow as it makes grow what starts were moved by.
 struct Chaos {
   double moved_by_m = 0;
-  double apart_m = 0;   // the largest so far
-  double extent_m = 0;  // of coordinates
+  double apart_m = 0;       // the largest so far
+  double extent_m = 0;      // of coordinates
+  std::uint64_t steps = 0;  // of the finest run
 
   double growth() const { return moved_by_m > 0 ? std::max(1.0, apart_m / moved_by_m) : 1; }
-  double rounding_m() const {
-    constexpr double of_a_few_steps = 1e-15;
-    return of_a_few_steps * extent_m * growth();
-  }
+  /// Half a unit of the last place a step, all one way.
+  double rounding_m() const { return 1.1e-16 * static_cast<double>(steps) * std::max(1.0, extent_m) * growth(); }
 };
 
 /// What no refinement sees: where a velocity bends or jumps (an impact, a motor that reaches its speed) within the
@@ -68,10 +67,11 @@ struct Chaos {
 class Bends {
  public:
   void add(const double* velocity, double h) {
+    constexpr long first = 2;  // what begins with the run begins on everybody's grid
     double square = 0;
     for (std::size_t i = 0; i < 3; ++i) {
       const double change = velocity[i] - before_[i];
-      if (steps_ > 1) square += (change - change_[i]) * (change - change_[i]);
+      if (steps_ > first) square += (change - change_[i]) * (change - change_[i]);
       change_[i] = change;
       before_[i] = velocity[i];
     }
@@ -147,6 +147,7 @@ class Judge {
         Spread(records_.refinements);  // of this step alone: in an impact that comes later energies differ for a moment
     energy_.add(energies.data(), 1, 1);
     take_moved(own);
+    chaos_.steps = own.frame.step * static_cast<std::uint64_t>(records_.refinements.back());
     answer_.until_s = std::max(answer_.until_s, own.frame.t);
     const double error = larger_of(distance(all_.distance));
     const double turned = larger_of(turn(all_.turn));
@@ -176,8 +177,10 @@ class Judge {
     answer_.motion_m = std::max(answer_.motion_m, away(own.position, path.start.position));
     most_turned_ = std::max(most_turned_, audit::turn(own.quaternion, path.start.quaternion));
     const double h = moments_.front().frame.h;
-    path.velocity.add(own.velocity, h);
-    path.spin.add(own.spin, h);
+    if (own.kinematic == 0) {
+      path.velocity.add(own.velocity, h);
+      path.spin.add(own.spin, h);
+    }
     unseen_m_ = std::max(unseen_m_, path.velocity.unseen(records_.refinements.back()));
     unseen_rad_ = std::max(unseen_rad_, path.spin.unseen(records_.refinements.back()));
     for (const double x : own.position) chaos_.extent_m = std::max(chaos_.extent_m, std::fabs(x));
@@ -201,16 +204,10 @@ class Judge {
 
   static double larger_of(const Estimate& error) { return std::max(error.value, error.uncertainty); }
 
-  static Estimate estimate(const Spread& spread, std::size_t run, double more) {
-    Estimate error = spread.error(run);
-    error.uncertainty += more;
-    error.convergence = spread.convergence(error);
-    return error;
-  }
   Estimate distance(const Spread& spread, std::size_t run = 0) const {
-    return estimate(spread, run, chaos_.rounding_m() + unseen_m_);
+    return spread.error(run, unseen_m_, chaos_.rounding_m());
   }
-  Estimate turn(const Spread& spread) const { return estimate(spread, 0, chaos_.rounding_m() + unseen_rad_); }
+  Estimate turn(const Spread& spread) const { return spread.error(0, unseen_rad_, chaos_.rounding_m()); }
 
   void report(double t) {
     ErrorUntil row;
@@ -242,7 +239,7 @@ class Judge {
     });
     find_loss();
     if (records_.moved && moved_) answer_.growth = chaos_.growth();
-    answer_.energy.error_J = estimate(energy_, 0, 0);
+    answer_.energy.error_J = energy_.error(0);
     find_steps();
   }
 

@@ -27,7 +27,8 @@ Recording::Recording(const std::filesystem::path& file) {
   }
   const int cause = errno;
   if (descriptor >= 0) ::close(descriptor);
-  if (status.st_size < static_cast<off_t>(head_bytes) && descriptor >= 0) return;  // died, or no room, at the head
+  begun_in_vain_ = descriptor >= 0 && status.st_size < static_cast<off_t>(head_bytes);
+  if (begun_in_vain_) return;
   if (place == MAP_FAILED) throw MachineError(file.string() + ": cannot be read: " + std::strerror(cause));
   bytes_ = static_cast<const std::byte*>(place);
   at_ = head_bytes;
@@ -39,7 +40,11 @@ Recording::~Recording() {
 }
 
 Recording::Recording(Recording&& other) noexcept
-    : bytes_(std::exchange(other.bytes_, nullptr)), size_(other.size_), end_(other.end_), at_(other.at_) {}
+    : bytes_(std::exchange(other.bytes_, nullptr)),
+      size_(other.size_),
+      end_(other.end_),
+      at_(other.at_),
+      begun_in_vain_(other.begun_in_vain_) {}
 
 const Head* Recording::head() const {
   const auto* const head = reinterpret_cast<const Head*>(bytes_);

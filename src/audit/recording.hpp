@@ -19,9 +19,10 @@ class Recording {
   Recording(const Recording&) = delete;
   Recording& operator=(const Recording&) = delete;
 
-  /// Null where the program made none: it has called nothing of ODE.
+  /// Null where the program made none: it has taken no step of ODE, or there was no room for the first bytes.
   const Head* head() const;
   bool has(Remark remark) const;
+  bool had_no_room() const { return begun_in_vain_ || has(no_room); }
 
   struct Moment {
     Frame frame;
@@ -35,6 +36,7 @@ class Recording {
   std::size_t size_ = 0;
   std::size_t end_ = 0;  // of the frames
   std::size_t at_ = 0;
+  bool begun_in_vain_ = false;  // the file is there, and nothing is in it
 };
 
 }  // namespace odeval::audit

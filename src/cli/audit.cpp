@@ -51,8 +51,9 @@ struct Options {
 class Scratch {
  public:
   Scratch() {
-    std::string name = (fs::temp_directory_path() / "odeval-audit-XXXXXX").string();  // mkdtemp's letters
-    if (::mkdtemp(name.data()) == nullptr) {
+    const char* place = std::getenv("TMPDIR");
+    std::string name = (fs::path(place == nullptr ? "/tmp" : place) / "odeval-audit-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) {  // which fills in the letters
       throw MachineError(name + ": no folder for records: " + std::strerror(errno));
     }
     folder_ = name;
@@ -90,7 +91,7 @@ class Audit {
     answer.springs_held = options_.hold == "springs";
     runs_ = {Run{}, Run{}};
     if (const int signal = run_from(0)) return signal;
-    answer.parting = audit::parting(scratch_.record(0), scratch_.record(1));
+    find_parting(answer);
     audit::describe(scratch_.record(0), answer);
     answer.reason = reason(answer);
     if (answer.reason.empty()) {
@@ -165,15 +166,23 @@ class Audit {
       if (run.has(audit::single_precision))
         return "its ODE is single precision, and the audit follows double precision only";
       if (run.has(audit::several_threads)) return "it steps from several threads, and the audit follows one";
-      if (run.head() == nullptr) return "it called nothing of libode.so; an ODE that is linked statically is not seen";
+      if (run.had_no_room() && answer.h_s == 0) return "there is no room on the disk for its record";
     }
-    if (answer.h_s == 0) return "it took no step of ODE";
+    if (answer.h_s == 0) return "it took no step of an ODE in a shared library";
     if (answer.parting) {
       return "a program that does not repeat can not be told from one that is wrong; does its step come from the "
              "clock, "
              "or a start from random numbers?";
     }
     return "";
+  }
+
+  /// Where this process ended them, that one went farther says nothing.
+  void find_parting(Answer& answer) const {
+    answer.parting = audit::parting(scratch_.record(0), scratch_.record(1));
+    const bool ended_here = runs_[0].end.late || runs_[1].end.late;
+    if (!answer.parting || !ended_here) return;
+    if (answer.parting->step > std::min(reached(0).steps, reached(1).steps)) answer.parting.reset();
   }
 
   /// A program that was ended from outside is refined until the time that it reached.
@@ -245,7 +254,7 @@ class Audit {
     }
     for (std::size_t i = 0; i < runs_.size(); ++i) {
       const Recording run(scratch_.record(i));
-      if (run.has(audit::no_room)) {
+      if (run.had_no_room()) {
         answer.limits.push_back(fmt::format("no room on the disk for all of the run with {}", description(runs_[i])));
       }
       if (i == 0 && run.has(audit::several_processes)) {

@@ -17,6 +17,7 @@ static dBodyID bodies[most_bodies];
 static int count;
 static double h;
 static double bounce, friction;
+static int soft;
 static void (*control)(void);
 
 static dBodyID add(double x, double y, double z) {
@@ -106,6 +107,48 @@ static void motor(void) {
   dJointSetSliderParam(slider, dParamFMax, 15);
 }
 
+/* Springs of 1000 N/m and 20 N s/m, as ERP and CFM at this step. */
+static double erp(void) { return h * 1000 / (h * 1000 + 20); }
+static double cfm(void) { return 1 / (h * 1000 + 20); }
+
+/* A ball joint that is 0.1 m open. */
+static void spring(void) {
+  dWorldSetERP(world, erp());
+  dWorldSetCFM(world, cfm());
+  make_box(add(0, 0, 1), 1, 0.1, 0.1, 0.1);
+  dJointID ball = dJointCreateBall(world, 0);
+  dJointAttach(ball, bodies[0], 0);
+  dJointSetBallAnchor(ball, 0, 0, 1);
+  dBodySetPosition(bodies[0], 0.1, 0, 1);
+}
+
+/* A slider that falls on its stop. */
+static void soft_stop(void) {
+  make_box(add(0, 0, 1), 1, 0.1, 0.1, 0.1);
+  dJointID slider = dJointCreateSlider(world, 0);
+  dJointAttach(slider, bodies[0], 0);
+  dJointSetSliderAxis(slider, 0, 0, 1);
+  dJointSetSliderParam(slider, dParamLoStop, -0.1);
+  dJointSetSliderParam(slider, dParamHiStop, 10);
+  dJointSetSliderParam(slider, dParamStopERP, erp());
+  dJointSetSliderParam(slider, dParamStopCFM, cfm());
+}
+
+/* A ball on soft ground. */
+static void soft_contact(void) {
+  soft = 1;
+  dCreatePlane(space, 0, 0, 1, 0);
+  make_ball(add(0, 0, 0.2), 1, 0.1);
+}
+
+/* A ball that keeps exp(-t) of its velocity, on which the weight acts. */
+static void damped(void) {
+  dWorldSetLinearDamping(world, 1 - exp(-h));
+  dWorldSetLinearDampingThreshold(world, 0);
+  make_ball(add(0, 0, 10), 1, 0.1);
+  dBodySetLinearVel(bodies[0], 1, 0, 0);
+}
+
 static dJointID elbow;
 static void hold_the_arm(void) {
   dJointAddHingeTorque(elbow, -20 * dJointGetHingeAngle(elbow) - 2 * dJointGetHingeAngleRate(elbow));
@@ -127,6 +170,11 @@ static void near(void* data, dGeomID one, dGeomID other) {
     contact[i].surface.mode = dContactBounce | dContactApprox1;
     contact[i].surface.bounce = bounce;
     contact[i].surface.mu = friction;
+    if (soft) {
+      contact[i].surface.mode = dContactSoftERP | dContactSoftCFM;
+      contact[i].surface.soft_erp = erp();
+      contact[i].surface.soft_cfm = cfm();
+    }
     dJointAttach(dJointCreateContact(world, contacts, &contact[i]), dGeomGetBody(one), dGeomGetBody(other));
   }
 }
@@ -144,6 +192,10 @@ static const struct {
     {"wall_pendulum", wall_pendulum, 1},
     {"motor", motor, 0},
     {"arm", arm, 0},
+    {"spring", spring, 0},
+    {"soft_stop", soft_stop, 0},
+    {"soft_contact", soft_contact, 1},
+    {"damped", damped, 0},
 };
 
 static void write_poses(FILE* poses) {

@@ -22,10 +22,10 @@ void call_python(const char* name, void* object) {
   if (found != nullptr && object != nullptr) reinterpret_cast<void (*)(void*)>(found)(object);
 }
 
-/// Below the frames that are alive, and not so far that it is no stack any more.
-bool in_a_frame_that_is_gone(const void* data) {
+/// Below the frames that were alive at `frame_of_step`, and not so far that it is no stack any more.
+bool in_a_frame_that_is_gone(const void* data, const void* frame_of_step) {
   constexpr std::uintptr_t deepest = 8 << 20;
-  const auto here = reinterpret_cast<std::uintptr_t>(__builtin_frame_address(0));
+  const auto here = reinterpret_cast<std::uintptr_t>(frame_of_step);
   const auto there = reinterpret_cast<std::uintptr_t>(data);
   return there < here && here - there < deepest;
 }
@@ -70,9 +70,9 @@ void Collisions::clear() {
   calls_.clear();
 }
 
-bool Collisions::can_be_repeated() const {
+bool Collisions::can_be_repeated(const void* frame_of_step) const {
   for (const Call& call : calls_) {
-    if (in_a_frame_that_is_gone(call.data)) return false;
+    if (in_a_frame_that_is_gone(call.data, frame_of_step)) return false;
   }
   return true;
 }

@@ -18,7 +18,7 @@ class Collisions {
   bool empty() const { return calls_.empty(); }
   /// Whether what the program gave to its callback is still there, as far as one can see: nothing of a function that
   /// has returned.
-  bool can_be_repeated() const;
+  bool can_be_repeated(const void* frame_of_step) const;
   /// Those that meet bodies of this world.
   void repeat(dWorldID world, bool only_world) const;
 

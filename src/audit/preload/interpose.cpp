@@ -89,10 +89,12 @@ void dWorldDestroy(dWorldID world) {
   follow<dWorldID>(&Worlds::forget, world);
 }
 
-int dWorldStep(dWorldID world, dReal h) { return Session::get().step(world, h, ODEVAL_OWN(dWorldStep), false); }
+int dWorldStep(dWorldID world, dReal h) {
+  return Session::get().step(world, h, ODEVAL_OWN(dWorldStep), false, __builtin_frame_address(0));
+}
 
 int dWorldQuickStep(dWorldID world, dReal h) {
-  return Session::get().step(world, h, ODEVAL_OWN(dWorldQuickStep), true);
+  return Session::get().step(world, h, ODEVAL_OWN(dWorldQuickStep), true, __builtin_frame_address(0));
 }
 
 void dSpaceCollide(dSpaceID space, void* data, dNearCallback* callback) {

@@ -36,20 +36,28 @@ void tell_the_first(const std::string& file) {
 
 }  // namespace
 
-Record::Record(const std::string& file, double most_bytes) : file_(file), most_bytes_(most_bytes) {
-  if (file.empty()) return;
-  const int descriptor = ::open(file.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+void Record::begin() {
+  state_ = State::none;
+  if (file_.empty()) return;
+  const int descriptor = ::open(file_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (descriptor < 0) {
-    tell_the_first(file);
+    tell_the_first(file_);
     return;
   }
   head_ = static_cast<Head*>(mapped(descriptor, 0, head_bytes));
   ::close(descriptor);
-  if (head_ != nullptr) head_->magic = record_magic;
+  if (head_ == nullptr) return;
+  head_->magic = record_magic;
+  state_ = State::begun;
+}
+
+Head* Record::head() {
+  if (state_ == State::not_begun) begin();
+  return head_;
 }
 
 void Record::remark(Remark remark) {
-  if (head_ != nullptr) head_->remarks |= remark;
+  if (Head* its = head()) its->remarks |= remark;
 }
 
 bool Record::next_piece() {
@@ -66,7 +74,7 @@ bool Record::next_piece() {
 }
 
 void Record::add(const void* frame, std::size_t bytes) {
-  if (head_ == nullptr || (head_->remarks & no_room) != 0) return;
+  if (head() == nullptr || (head_->remarks & no_room) != 0) return;
   const char* rest = static_cast<const char*>(frame);
   for (std::size_t left = bytes; left > 0;) {
     const std::size_t room = pieces_ * piece_bytes - written_;

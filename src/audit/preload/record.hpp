@@ -2,6 +2,7 @@
 // The file that a program is recorded in, written so that it survives whatever becomes of the program.
 #include <cstddef>
 #include <string>
+#include <utility>
 
 #include "audit/preload/record_format.hpp"
 
@@ -11,26 +12,32 @@ namespace odeval::audit {
 /// it is, since writing through a mapping to a full disk would end the program.
 class Record {
  public:
-  /// Another process of the program that has the file already is told so there, and nothing more is written.
-  Record(const std::string& file, double most_bytes);
+  Record(std::string file, double most_bytes) : file_(std::move(file)), most_bytes_(most_bytes) {}
   Record(const Record&) = delete;
   Record& operator=(const Record&) = delete;
 
-  /// Null when nothing is recorded.
-  Head* head() const { return head_; }
+  /// The record's head; null when nothing is recorded. The first call begins the file: a process of the program that
+  /// only starts another has none. Where another process has begun it, that is remarked there, and nothing is recorded.
+  Head* head();
 
   void remark(Remark remark);
   /// Adds a frame, or remarks that there is no room.
   void add(const void* frame, std::size_t bytes);
 
-  /// In a child of a fork: the file is the parent's.
-  void leave() { head_ = nullptr; }
+  /// In a child of a fork: a file that was begun is the parent's.
+  void leave_to_parent() {
+    if (state_ == State::begun) state_ = State::not_begun;
+    head_ = nullptr;
+  }
 
  private:
+  enum class State { not_begun, begun, none };
+  void begin();
   bool next_piece();
 
   std::string file_;
   double most_bytes_;
+  State state_ = State::not_begun;
   Head* head_ = nullptr;
   char* piece_ = nullptr;  // mapped
   std::size_t pieces_ = 0;

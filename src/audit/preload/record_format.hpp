@@ -31,7 +31,6 @@ struct Head {
   std::uint64_t messages;   // of ODE
   char first_message[256];  // of ODE; empty: none
   char last_words[256];     // of ODE before it aborts; empty: none
-  char ode_configuration[512];
 };
 static_assert(sizeof(Head) <= head_bytes);
 
@@ -55,8 +54,8 @@ struct Frame {
 };
 
 struct BodySample {
-  std::uint32_t body;  // in order of creation, of all worlds
-  std::uint32_t enabled;
+  std::uint32_t body;       // in order of creation, of all worlds
+  std::uint32_t kinematic;  // 1: its velocity is the program's
   double position[3];
   double quaternion[4];
   double velocity[3];

@@ -92,7 +92,7 @@ double gap(Joint& joint) {
 BodySample sample_of(const Body& body) {
   BodySample sample{};
   sample.body = body.number;
-  sample.enabled = static_cast<std::uint32_t>(dBodyIsEnabled(body.id));
+  sample.kinematic = dBodyIsKinematic(body.id) != 0 ? 1 : 0;
   std::copy_n(dBodyGetPosition(body.id), 3, sample.position);
   std::copy_n(dBodyGetQuaternion(body.id), 4, sample.quaternion);
   std::copy_n(dBodyGetLinearVel(body.id), 3, sample.velocity);

@@ -109,10 +109,6 @@ Session::Session()
     : settings_(read_settings()),
       follows_(dCheckConfiguration("ODE_double_precision") != 0),
       record_(settings_.record, settings_.most_bytes) {
-  if (Head* head = record_.head()) {
-    head->refinement = static_cast<std::uint32_t>(settings_.refinement);
-    std::snprintf(head->ode_configuration, sizeof head->ode_configuration, "%s", dGetConfiguration());
-  }
   if (!follows_) {
     record_.remark(single_precision);
     return;
@@ -156,6 +152,7 @@ void Session::end(Remark why) {
 }
 
 void Session::first_step(World& world, bool quick) {
+  if (Head* head = record_.head()) head->refinement = static_cast<std::uint32_t>(settings_.refinement);
   if (settings_.move_m != 0) {
     for (const Body& body : world.bodies) move(body, settings_.move_m);
   }
@@ -163,13 +160,13 @@ void Session::first_step(World& world, bool quick) {
   record_.add(frame.data(), frame.size());
 }
 
-int Session::step(dWorldID id, dReal h, Stepper stepper, bool quick) {
+int Session::step(dWorldID id, dReal h, Stepper stepper, bool quick, const void* frame_of_step) {
   if (!follows_) return stepper(id, h);
   check_thread();
   World& world = worlds_.of(id);
   if (world.steps == 0) first_step(world, quick);
   const double begun_s = steady_s();
-  const int result = settings_.refinement > 1 ? parts(world, h, stepper) : stepper(id, h);
+  const int result = settings_.refinement > 1 ? parts(world, h, stepper, frame_of_step) : stepper(id, h);
   if (result == 0) record_.remark(steps_in_vain);
   ++world.steps;
   world.t += h;
@@ -189,7 +186,7 @@ int Session::step(dWorldID id, dReal h, Stepper stepper, bool quick) {
   return result;
 }
 
-int Session::parts(World& world, dReal h, Stepper stepper) {
+int Session::parts(World& world, dReal h, Stepper stepper, const void* frame_of_step) {
   const int k = settings_.refinement;
   keep_forces(world);
   Feedback feedback(world);
@@ -197,7 +194,7 @@ int Session::parts(World& world, dReal h, Stepper stepper) {
   int result = 1;
   for (int part = 0; part < k; ++part) {
     if (part > 0) {
-      renew_contacts(world);
+      renew_contacts(world, frame_of_step);
       put_forces_back(world);
     }
     std::optional<Softened> softened;
@@ -212,10 +209,10 @@ int Session::parts(World& world, dReal h, Stepper stepper) {
   return result;
 }
 
-void Session::renew_contacts(World& world) {
+void Session::renew_contacts(World& world, const void* frame_of_step) {
   if (collisions_.empty()) return;
   if (!settings_.renew_contacts) return;
-  if (!collisions_.can_be_repeated() || !worlds_.empty_contacts()) return record_.remark(contacts_stayed);
+  if (!collisions_.can_be_repeated(frame_of_step) || !worlds_.empty_contacts()) return record_.remark(contacts_stayed);
   ++collide_depth_;
   try {
     collisions_.repeat(world.id, worlds_.size() == 1);

@@ -26,8 +26,9 @@ class Session {
   Worlds& worlds() { return worlds_; }
   Collisions& collisions() { return collisions_; }
 
-  /// One step of the program, of the length h that it asked for.
-  int step(dWorldID world, dReal h, Stepper stepper, bool quick);
+  /// One step of the program, of the length h that it asked for. Frames of the program's functions that have returned
+  /// were below `frame_of_step`.
+  int step(dWorldID world, dReal h, Stepper stepper, bool quick, const void* frame_of_step);
 
   /// A collision detection of the program, which `act` does.
   template <class Act>
@@ -44,13 +45,13 @@ class Session {
   void message(const char* text, std::va_list values);
   void last_words(const char* text, std::va_list values);
 
-  void leave_to_parent() { record_.leave(); }
+  void leave_to_parent() { record_.leave_to_parent(); }
 
  private:
   Session();
   void first_step(World& world, bool quick);
-  int parts(World& world, dReal h, Stepper stepper);
-  void renew_contacts(World& world);
+  int parts(World& world, dReal h, Stepper stepper, const void* frame_of_step);
+  void renew_contacts(World& world, const void* frame_of_step);
   void check_thread();
   [[noreturn]] void end(Remark why);
 
