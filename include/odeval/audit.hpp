@@ -2,6 +2,7 @@
 // What an audit says of a running ODE program: how far its simulation is from the one that it would be at a step of 0.
 #include <algorithm>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -100,6 +101,8 @@ struct Answer {
   double depth_m = 0;  // the largest
   std::uint64_t messages = 0;
   std::string first_message;
+  std::map<std::uint32_t, std::string> body_names;  // from 1, those that the program named
+  std::map<std::uint32_t, std::string> joint_names;
   double ode_s = 0;  // within ODE, of the unchanged run
 
   std::vector<ProgramRun> runs;    // the unchanged first

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <numbers>
 #include <unordered_map>
 
@@ -312,6 +313,15 @@ class Judge {
   int next_report_ = first_report;
 };
 
+void read_names(const std::string& file, Answer& answer) {
+  std::ifstream in(file);
+  std::string kind;
+  std::uint32_t number = 0;
+  for (std::string name; in >> kind >> number && std::getline(in >> std::ws, name);) {
+    (kind == "body" ? answer.body_names : answer.joint_names)[number + 1] = name;
+  }
+}
+
 }  // namespace
 
 std::optional<Parting> parting(const std::filesystem::path& one, const std::filesystem::path& other) {
@@ -332,6 +342,7 @@ std::optional<Parting> parting(const std::filesystem::path& one, const std::file
 
 void describe(const std::filesystem::path& unchanged, Answer& answer) {
   Recording run(unchanged);
+  read_names(unchanged.string() + names_ending, answer);
   if (const Head* head = run.head()) {
     answer.messages = head->messages;
     answer.first_message = head->first_message;

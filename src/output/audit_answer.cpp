@@ -26,6 +26,13 @@ std::string count(std::uint64_t number, const char* one, const char* many) {
   return fmt::format("{} {}", number, number == 1 ? one : many);
 }
 
+/// "body 2", or "body 2 (left foot)".
+std::string called(const char* kind, std::uint32_t number, const std::map<std::uint32_t, std::string>& names) {
+  const auto name = names.find(number);
+  return name == names.end() ? fmt::format("{} {}", kind, number)
+                             : fmt::format("{} {} ({})", kind, number, name->second);
+}
+
 std::string head_line(const Answer& answer) {
   const audit::ProgramRun& run = answer.runs.front();
   std::string line =
@@ -60,7 +67,7 @@ std::string errors_table(const Answer& answer) {
     const ErrorUntil& row = answer.error_at[i];
     table.add({fmt::format("{:.4g}", row.t_s), error_cell(row.distance_m), error_cell(row.turn_rad),
                row.order ? fmt::format("{:.2f}", *row.order) : "-", word(row.convergence()),
-               fmt::format("body {}", row.body)});
+               called("body", row.body, answer.body_names)});
   }
   return table.text();
 }
@@ -118,7 +125,8 @@ std::string answer_lines(const Answer& answer) {
   line("energy", fmt::format("{:.4g} J at the start, {:.4g} J at the end, error {} J", answer.energy.begin_J,
                              answer.energy.end_J, error_cell(answer.energy.error_J)));
   if (answer.gap.joint > 0) {
-    line("joints", fmt::format("joint {} is the worst: {:.3g} m apart at {:.3g} s", answer.gap.joint,
+    line("joints", fmt::format("{} is the worst: {:.3g} m apart at {:.3g} s",
+                               called("joint", static_cast<std::uint32_t>(answer.gap.joint), answer.joint_names),
                                answer.gap.largest_m, answer.gap.t_s));
   }
   if (answer.contacts > 0) {
@@ -163,6 +171,13 @@ Json bodies_json(const Answer& answer) {
   return list;
 }
 
+/// By number.
+Json names_json(const std::map<std::uint32_t, std::string>& names) {
+  Json object = Json::object();
+  for (const auto& [number, name] : names) object[std::to_string(number)] = name;
+  return object;
+}
+
 Json runs_json(const Answer& answer) {
   Json list = Json::array();
   for (const audit::ProgramRun& run : answer.runs) {
@@ -182,8 +197,9 @@ std::string audit_text(const Answer& answer) {
   if (answer.bodies > 0) text += head_line(answer) + "\n";
   if (answer.parting) {
     const audit::Parting& parting = *answer.parting;
-    text += fmt::format("two unchanged runs part at step {}, t = {:.4g} s{}\n", parting.step, parting.t_s,
-                        parting.body > 0 ? fmt::format(", with body {}", parting.body) : ", in what bodies there are");
+    text += fmt::format(
+        "two unchanged runs part at step {}, t = {:.4g} s{}\n", parting.step, parting.t_s,
+        parting.body > 0 ? ", with " + called("body", parting.body, answer.body_names) : ", in what bodies there are");
   }
   if (!answer.reason.empty()) text += "no error can be told: " + answer.reason + "\n";
   if (answer.reason.empty()) text += "\n" + errors_table(answer) + "\n" + answer_lines(answer);
@@ -242,6 +258,8 @@ std::string audit_json(const Answer& answer) {
                    {"gap", json_number(answer.gap.largest_m)},
                    {"contacts", answer.contacts},
                    {"depth", json_number(answer.depth_m)}};
+  json["body_names"] = names_json(answer.body_names);
+  json["joint_names"] = names_json(answer.joint_names);
   json["runs"] = runs_json(answer);
   json["limits"] = answer.limits;
   return json.dump(2) + "\n";

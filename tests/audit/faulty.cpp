@@ -15,6 +15,8 @@
 #include <string>
 #include <thread>
 
+#include "audit/odeval_name.h"
+
 namespace {
 
 dWorldID world;
@@ -70,6 +72,7 @@ void make() {
   dBodySetPosition(ball, 0, 0, 0.3);
   ball_geom = dCreateSphere(space, 0.1);
   dGeomSetBody(ball_geom, ball);
+  if (is("named")) odeval_name(ball, "the ball");
 }
 
 void shout() {

@@ -119,6 +119,17 @@ void dSpaceDestroy(dSpaceID space) {
   ODEVAL_OWN(dSpaceDestroy)(space);
 }
 
+// Of odeval_name.h.
+void odeval_audit_name_body(dBodyID body, const char* name) {
+  Session& session = Session::get();
+  if (session.follows() && body != nullptr && name != nullptr) session.name(body, name);
+}
+
+void odeval_audit_name_joint(dJointID joint, const char* name) {
+  Session& session = Session::get();
+  if (session.follows() && joint != nullptr && name != nullptr) session.name(joint, name);
+}
+
 // The handlers that the program reads and writes are its own; ODE has this library's.
 void dSetMessageHandler(dMessageFunction* handler) {
   Session& session = Session::get();

@@ -60,6 +60,19 @@ void Record::remark(Remark remark) {
   if (Head* its = head()) its->remarks |= remark;
 }
 
+void Record::name(const char* kind, std::uint32_t number, const char* name) {
+  if (head() == nullptr) return;
+  std::string line = std::string(kind) + ' ' + std::to_string(number) + ' ' + name;
+  std::replace_if(
+      line.begin(), line.end(), [](unsigned char letter) { return letter < ' '; }, ' ');
+  line += '\n';
+  const int descriptor = ::open((file_ + names_ending).c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0600);
+  if (descriptor < 0) return remark(no_room);
+  const bool whole = ::write(descriptor, line.data(), line.size()) == static_cast<ssize_t>(line.size());
+  ::close(descriptor);
+  if (!whole) remark(no_room);
+}
+
 bool Record::next_piece() {
   if (piece_ != nullptr) ::munmap(piece_, piece_bytes);
   piece_ = nullptr;

@@ -24,6 +24,9 @@ class Record {
   /// Adds a frame, or remarks that there is no room.
   void add(const void* frame, std::size_t bytes);
 
+  /// `kind` is "body" or "joint".
+  void name(const char* kind, std::uint32_t number, const char* name);
+
   /// In a child of a fork: a file that was begun is the parent's.
   void leave_to_parent() {
     if (state_ == State::begun) state_ = State::not_begun;

@@ -62,4 +62,8 @@ struct BodySample {
   double spin[3];
 };
 
+/// What the program calls its bodies and joints stands beside the record, in a file of this ending: a line each, "body"
+/// or "joint", its number and the name.
+constexpr const char* names_ending = ".names";
+
 }  // namespace odeval::audit

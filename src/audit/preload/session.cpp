@@ -133,6 +133,16 @@ void Session::last_words(const char* text, std::va_list values) {
   std::fputc('\n', stderr);
 }
 
+void Session::name(dBodyID body, const char* name) {
+  for (const Body& one : worlds_.of(dBodyGetWorld(body)).bodies) {
+    if (one.id == body) record_.name("body", one.number, name);
+  }
+}
+
+void Session::name(dJointID joint, const char* name) {
+  if (const Joint* its = worlds_.find(joint)) record_.name("joint", its->number, name);
+}
+
 dContact Session::softened(dWorldID world, const dContact& contact) const {
   dContact part = contact;
   if (settings_.refinement > 1 && settings_.hold_springs) {

@@ -45,6 +45,9 @@ class Session {
   void message(const char* text, std::va_list values);
   void last_words(const char* text, std::va_list values);
 
+  void name(dBodyID body, const char* name);
+  void name(dJointID joint, const char* name);
+
   void leave_to_parent() { record_.leave_to_parent(); }
 
  private:

@@ -47,6 +47,15 @@ void Worlds::forget(dJointID joint) {
   }
 }
 
+const Joint* Worlds::find(dJointID joint) const {
+  for (const World& world : worlds_) {
+    const auto found =
+        std::find_if(world.joints.begin(), world.joints.end(), [joint](const Joint& one) { return one.id == joint; });
+    if (found != world.joints.end()) return &*found;
+  }
+  return nullptr;
+}
+
 void Worlds::empty(dJointGroupID group) {
   of(group) = {.id = group};
   for (World& world : worlds_) {

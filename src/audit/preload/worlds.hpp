@@ -66,6 +66,7 @@ class Worlds {
   void add(dWorldID world, dJointID joint, dJointType type, dJointGroupID group);
   void add_contact(dWorldID world, const dContact& contact, dJointGroupID group, bool renewable);
   void forget(dJointID joint);
+  const Joint* find(dJointID joint) const;  // null where it is not followed
   void empty(dJointGroupID group);
   void forget(dJointGroupID group);
 
