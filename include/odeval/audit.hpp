@@ -58,6 +58,14 @@ struct ProgramRun {
   double cpu_s = 0;
 };
 
+/// The program with another setting, at its own step.
+struct Tried {
+  std::string set;  // "erp=0.8"
+  std::vector<Estimate>
+      distance_m;   // from the limit, at the times of Answer::error_at; no number: it has ended by then
+  double cost = 0;  // of a step within ODE, over that of the unchanged run
+};
+
 struct Energy {
   double begin_J = 0;
   double end_J = 0;
@@ -117,6 +125,11 @@ struct Answer {
   std::optional<double> growth;     // of a distance of starts, at the end
   double steps_for_t_s = 0;         // the time that they keep it until
   std::vector<StepFor> steps_for;
+  std::vector<Tried> tried;
+  std::size_t tried_at = 0;          // of Answer::error_at, the time that steps_for has as well
+  std::optional<double> softness_m;  // how far a run that holds numbers in the place of springs is from the limit, at
+                                     // the refinement of which the same run with springs is `softness_of_step_m` off
+  double softness_of_step_m = 0;
   Energy energy;
   Gap gap;
   std::vector<std::string> limits;  // of this answer, a sentence each

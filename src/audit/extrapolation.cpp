@@ -14,13 +14,13 @@ double distance(const double* a, const double* b, std::size_t components) {
 
 /// NaN, which a run that blew up has, is the largest.
 void raise(double& largest, double value) {
-  if (!(value <= largest)) largest = value;
+  if (!std::isnan(largest) && !(value <= largest)) largest = value;
 }
 
 }  // namespace
 
-Spread::Spread(const std::vector<int>& refinements)
-    : apart_(refinements.size() * refinements.size()), off_(refinements.size() * refinements.size()) {
+Spread::Spread(const std::vector<int>& refinements, std::size_t others)
+    : apart_(refinements.size() * refinements.size()), off_((refinements.size() + others) * refinements.size()) {
   for (const int k : refinements) steps_.push_back(1.0 / k);
 }
 
@@ -40,18 +40,16 @@ void Spread::add(const double* values, std::size_t components, double metric) {
       raise(apart_[i * n + j], metric * distance(at(i, j), at(i - 1, j), components));
     }
   }
-  for (std::size_t i = 0; i < n; ++i) {
+  for (std::size_t i = 0; i * n < off_.size(); ++i) {
     for (std::size_t j = 0; j < n; ++j) {
-      raise(off_[i * n + j], metric * distance(at(i, 0), at(n - 1, j), components));
+      raise(off_[i * n + j], metric * distance(values + i * components, at(n - 1, j), components));
     }
   }
 }
 
 void Spread::add(const Spread& other) {
-  for (std::size_t i = 0; i < apart_.size(); ++i) {
-    raise(apart_[i], other.apart_[i]);
-    raise(off_[i], other.off_[i]);
-  }
+  for (std::size_t i = 0; i < apart_.size(); ++i) raise(apart_[i], other.apart_[i]);
+  for (std::size_t i = 0; i < off_.size(); ++i) raise(off_[i], other.off_[i]);
 }
 
 // T(last, j) is nearer to the limit than T(last-1, j), so that their distance is about the error of the worse of them;

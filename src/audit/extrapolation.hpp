@@ -16,18 +16,19 @@ namespace odeval::audit {
 /// One that is smooth in h settles on a high j, one that is not (impacts that fall anywhere in a step) on a low one.
 class Spread {
  public:
-  explicit Spread(const std::vector<int>& refinements);
+  /// Besides the refined runs there may be others, whose distance from the limit is asked as well.
+  explicit Spread(const std::vector<int>& refinements, std::size_t others = 0);
 
   std::size_t runs() const { return steps_.size(); }
 
   /// Of one quantity at one time, with a component for each of its coordinates. `values` holds them for each run in
-  /// turn; `metric` is what a unit of their distance means.
+  /// turn, the others last (NaN: one has ended); `metric` is what a unit of their distance means.
   void add(const double* values, std::size_t components, double metric);
   /// The larger of both.
   void add(const Spread& other);
 
-  /// The difference of a run from the limit. `unseen` is what no run sees of bends and jumps (the judge's to know), and
-  /// more of what the limit may be off by, as `rounding` is.
+  /// The difference of a run, or of one of the others, from the limit. `unseen` is what no run sees of bends and jumps
+  /// (the judge's to know), and more of what the limit may be off by, as `rounding` is.
   Estimate error(std::size_t run, double unseen = 0, double rounding = 0) const;
   /// Of the last three runs; nothing where they do not differ.
   std::optional<double> order() const;

@@ -103,8 +103,14 @@ struct Path {
 class Judge {
  public:
   Judge(const Records& records, Answer& answer)
-      : records_(records), answer_(answer), all_(fresh()), energy_(records.refinements) {
+      : records_(records),
+        answer_(answer),
+        others_(records.tried.size() + (records.with_numbers ? 1 : 0)),
+        all_(fresh()),
+        energy_(records.refinements) {
     for (const auto& file : records.refined) runs_.emplace_back(file);
+    for (std::size_t i = 0; i < records.tried.size(); ++i) others_[i].emplace(records.tried[i]);
+    if (records.with_numbers) others_.back().emplace(*records.with_numbers);
     if (records.moved) moved_.emplace(*records.moved);
     chaos_.moved_by_m = records.moved_by_m;
   }
@@ -121,7 +127,9 @@ class Judge {
   }
 
  private:
-  Errors fresh() const { return {Spread(records_.refinements), Spread(records_.refinements)}; }
+  Errors fresh() const {
+    return {Spread(records_.refinements, others_.size()), Spread(records_.refinements, others_.size())};
+  }
 
   /// The same step of all runs; false when one has none, or other bodies.
   bool next() {
@@ -135,6 +143,14 @@ class Judge {
         return false;
       }
       moments_.push_back(*moment);
+    }
+    of_others_.assign(others_.size(), std::nullopt);
+    for (std::size_t i = 0; i < others_.size(); ++i) {
+      if (others_[i]) of_others_[i] = others_[i]->next();
+      if (!of_others_[i] || !same_bodies(moments_.front(), *of_others_[i])) {
+        of_others_[i].reset();
+        others_[i].reset();
+      }
     }
     return true;
   }
@@ -165,11 +181,19 @@ class Judge {
       const BodySample& body = moment.bodies[i];
       values_.insert(values_.end(), body.position, body.position + 3);
     }
+    for (const auto& moment : of_others_) {
+      for (std::size_t k = 0; k < 3; ++k) values_.push_back(moment ? moment->bodies[i].position[k] : NAN);
+    }
     its.distance.add(values_.data(), 3, 1);
     values_.clear();
     for (const Moment& moment : moments_) {
       const std::array<double, 4> quaternion = near(moment.bodies[i].quaternion, own.quaternion);
       values_.insert(values_.end(), quaternion.begin(), quaternion.end());
+    }
+    for (const auto& moment : of_others_) {
+      const std::array<double, 4> quaternion =
+          near(moment ? moment->bodies[i].quaternion : own.quaternion, own.quaternion);
+      for (const double part : quaternion) values_.push_back(moment ? part : NAN);
     }
     its.turn.add(values_.data(), 4, 2);  // a small turn is twice the distance of quaternions
     all_.distance.add(its.distance);
@@ -229,7 +253,8 @@ class Judge {
     }
     answer_.error_at.push_back(row);
     std::vector<Estimate> of_runs;
-    for (std::size_t run = 0; run < runs_.size(); ++run) of_runs.push_back(distance(all_.distance, run));
+    for (std::size_t run = 0; run < runs_.size() + others_.size(); ++run)
+      of_runs.push_back(distance(all_.distance, run));
     distances_.push_back(std::move(of_runs));
   }
 
@@ -242,6 +267,7 @@ class Judge {
     if (records_.moved && moved_) answer_.growth = chaos_.growth();
     answer_.energy.error_J = energy_.error(0);
     find_steps();
+    take_tried();
   }
 
   /// What hardly moves is not lost by moving otherwise: less than a millimetre and half a degree are never a loss.
@@ -269,8 +295,35 @@ class Judge {
   void find_steps() {
     std::size_t last = answer_.error_at.size() - 1;
     while (last > 0 && answer_.lost_at_s && answer_.error_at[last].t_s > *answer_.lost_at_s) --last;
+    answer_.tried_at = last;
     answer_.steps_for_t_s = answer_.error_at[last].t_s;
     for (const double wanted : {1e-3, 1e-2, 1e-1}) answer_.steps_for.push_back({wanted, step_for(last, wanted)});
+  }
+
+  void take_tried() {
+    const std::size_t runs = runs_.size();
+    for (std::size_t i = 0; i < records_.tried.size(); ++i) {
+      Tried tried{records_.tried_sets[i], {}, cost_of(records_.tried[i]) / cost_of(records_.refined.front())};
+      for (const auto& distances : distances_) tried.distance_m.push_back(distances[runs + i]);
+      answer_.tried.push_back(std::move(tried));
+    }
+    if (!records_.with_numbers) return;
+    const std::vector<Estimate>& distances = distances_[answer_.tried_at];
+    answer_.softness_m = distances.back().value;
+    answer_.softness_of_step_m = distances[runs - 2].value;
+  }
+
+  /// Of a step within ODE, s: the median, since the machine does other things as well.
+  static double cost_of(const std::filesystem::path& record) {
+    Recording run(record);
+    std::vector<float> steps;
+    for (auto moment = run.next(); moment; moment = run.next()) {
+      if (moment->frame.step > 0) steps.push_back(static_cast<float>(moment->frame.ode_s));
+    }
+    if (steps.empty()) return NAN;
+    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    std::ranges::nth_element(steps, middle);
+    return *middle;
   }
 
   /// None larger than the program's own, which nobody has tried.
@@ -282,7 +335,7 @@ class Judge {
       const double most = runs.front().value + runs.front().uncertainty;
       return h * std::min(1.0, std::pow(wanted / most, 1 / *own.order));
     }
-    for (std::size_t run = 0; run < runs.size(); ++run) {
+    for (std::size_t run = 0; run < runs_.size(); ++run) {
       if (runs[run].value + runs[run].uncertainty <= wanted) return h / records_.refinements[run];
     }
     return std::nullopt;
@@ -298,7 +351,9 @@ class Judge {
   Answer& answer_;
   std::vector<Recording> runs_;
   std::optional<Recording> moved_;
-  std::vector<Moment> moments_;  // of this step, one a run
+  std::vector<std::optional<Recording>> others_;  // tried, then with numbers; none: it has ended, or has other bodies
+  std::vector<std::optional<Moment>> of_others_;  // of this step
+  std::vector<Moment> moments_;                   // of this step, one a run
   std::vector<double> values_;
   Errors all_;
   std::unordered_map<std::uint32_t, Errors> of_body_;

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "odeval/audit.hpp"
@@ -18,6 +19,9 @@ struct Records {
   std::vector<int> refinements;                // of those, 1 first, rising
   std::optional<std::filesystem::path> moved;  // the unchanged run from starts that were moved
   double moved_by_m = 0;
+  std::vector<std::filesystem::path> tried;           // the unchanged run with other settings
+  std::vector<std::string> tried_sets;                // "erp=0.8"
+  std::optional<std::filesystem::path> with_numbers;  // at the last refinement but one
 };
 
 /// What the unchanged run was: stepper, counts, energy, gaps, messages.

@@ -39,6 +39,7 @@ struct Options {
   std::vector<std::string> refine;
   std::string hold = "springs";
   std::string contacts = "renewed";
+  std::vector<std::string> tries;
   double until_s = 0;
   double timeout_s = 60;
   int jobs = 1;
@@ -75,6 +76,8 @@ class Scratch {
 struct Run {
   int refinement = 1;
   bool moved = false;
+  std::string set{};     // in the place of the program's settings
+  bool numbers = false;  // held, where the audit holds springs
   run::ProgramEnd end{};
 };
 
@@ -100,6 +103,8 @@ class Audit {
         if (k > 1) runs_.push_back({.refinement = k});
       }
       runs_.push_back({.moved = true});
+      for (const std::string& set : tries(answer)) runs_.push_back({.set = set});
+      if (answer.springs_held) runs_.push_back({.refinement = refinements_.rbegin()[1], .numbers = true});
       if (const int signal = run_from(2)) return signal;
       judge(answer);
     }
@@ -127,7 +132,8 @@ class Audit {
             .environment = {{"LD_PRELOAD", others == nullptr ? library : library + ":" + others},
                             {environment::record, scratch_.record(number).string()},
                             {environment::refine, std::to_string(run.refinement)},
-                            {environment::hold, options_.hold},
+                            {environment::hold, run.numbers ? "numbers" : options_.hold},
+                            {environment::set, run.set},
                             {environment::contacts, options_.contacts},
                             {environment::until, number_text(until_s_)},
                             {environment::move, number_text(run.moved ? moved_by_m : 0)}},
@@ -153,10 +159,22 @@ class Audit {
       if (result.kind == run::Result::Kind::refused) throw UserError(result.text);
       if (result.kind != run::Result::Kind::done) throw MachineError(options_.program.front() + ": " + result.text);
       runs_[static_cast<std::size_t>(job)].end = run::unpacked(result.text);
-      progress_.show(fmt::format("[{}/{}] {}", ++done_, refinements_.size() + 2,
-                                 description(runs_[static_cast<std::size_t>(job)])));
+      progress_.show(
+          fmt::format("[{}/{}] {}", ++done_, runs_.size(), description(runs_[static_cast<std::size_t>(job)])));
     };
     return run::run_pool(work, plan, take, {.processes = options_.jobs, .passed = {}});
+  }
+
+  /// What is tried of any program, and what was asked for.
+  std::vector<std::string> tries(const Answer& answer) const {
+    std::vector<std::string> sets{"erp=0.8", "start=half-step", "rotation=finite"};
+    if (answer.stepper == "dWorldQuickStep") {
+      sets.insert(sets.end(), {"iterations=50", "w=1", "stepper=step"});
+    } else {
+      sets.emplace_back("stepper=quick");
+    }
+    sets.insert(sets.end(), options_.tries.begin(), options_.tries.end());
+    return sets;
   }
 
   /// Why there is nothing to refine; empty: there is.
@@ -205,6 +223,8 @@ class Audit {
   }
 
   static std::string description(const Run& run) {
+    if (!run.set.empty()) return run.set;
+    if (run.numbers) return fmt::format("numbers held at steps of h/{}", run.refinement);
     if (run.moved) return fmt::format("starts moved by {:g} m", moved_by_m);
     return run.refinement == 1 ? "unchanged" : fmt::format("steps of h/{}", run.refinement);
   }
@@ -232,6 +252,11 @@ class Audit {
       if (i == 1) continue;  // the same as the first
       if (runs_[i].moved) {
         records.moved = scratch_.record(i);
+      } else if (!runs_[i].set.empty()) {
+        records.tried.push_back(scratch_.record(i));
+        records.tried_sets.push_back(runs_[i].set);
+      } else if (runs_[i].numbers) {
+        records.with_numbers = scratch_.record(i);
       } else {
         records.refined.push_back(scratch_.record(i));
         records.refinements.push_back(runs_[i].refinement);
@@ -274,9 +299,26 @@ class Audit {
   Scratch scratch_;
   std::vector<int> refinements_;
   double until_s_ = 0;
-  std::vector<Run> runs_;  // two unchanged, those refined, the one moved
+  std::vector<Run> runs_;  // two unchanged, those refined, the one moved, those tried, the one with numbers
   std::size_t done_ = 0;
 };
+
+/// KEY=V of what can be tried.
+std::string wrong_try(const std::string& text) {
+  const std::size_t sign = text.find('=');
+  std::vector<std::string> keys;
+  for (const auto& row : audit::environment::tries) {
+    keys.emplace_back(row.key);
+    if (sign == std::string::npos || text.substr(0, sign) != row.key) continue;
+    const std::string value = text.substr(sign + 1);
+    if (*row.words == 0) return number_within(row.least, row.most)(value);
+    const std::string words = std::string(",") + row.words + ",";
+    return words.find("," + value + ",") != std::string::npos && !value.empty()
+               ? ""
+               : fmt::format("{} must be one of {}, not {}", row.key, row.words, value);
+  }
+  return fmt::format("must be KEY=V with a key of {}, not {}", fmt::join(keys, ", "), text);
+}
 
 void require_refinements(const std::vector<std::string>& words) {
   int last = 0;
@@ -328,6 +370,10 @@ Action attach_audit(Flags& flags) {
                   "within a step of the program: made anew by its own callback, or held")
       .one_of({"renewed", "held"})
       .capture_default_str();
+  flags.add_option("--try", options->tries, "a setting to run the program with as well: KEY=V, each --try another run")
+      .type_name("KEY=V")
+      .check(wrong_try)
+      .one_value();
   flags.add_option("--until", options->until_s, "simulated time after which the program is ended")
       .type_name("T")
       .check(number_within(1e-6, 1e9));

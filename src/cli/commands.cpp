@@ -54,13 +54,17 @@ std::string in_plain_words(const CLI::ParseError& error) {
     for (const Command& row : table) known.emplace_back(row.name);
   }
   const std::string who = command == &app ? "odeval" : "odeval " + command->get_name();
-  const std::vector<std::string> extra = app.remaining(true);
+  std::vector<std::string> extra = app.remaining(true);
+  std::erase(extra, "--");  // after which no word is a flag
   if (!extra.empty()) {
-    if (command != &app && !extra.front().starts_with("-")) {
-      throw UserError(extra.front() + ": one argument too many; '" + who + " --help' shows all");
+    // A flag that nobody knows leaves its value over, and all that follows.
+    const auto flag = std::ranges::find_if(extra, [](const std::string& word) { return word.starts_with("-"); });
+    const std::string& wrong = flag != extra.end() ? *flag : extra.front();
+    if (command != &app && !wrong.starts_with("-")) {
+      throw UserError(wrong + ": one argument too many; '" + who + " --help' shows all");
     }
-    throw UserError(extra.front() + ": no such " + (command == &app ? "command" : "flag") +
-                    nearest_hint(extra.front(), known) + "; '" + who + " --help' shows all");
+    throw UserError(wrong + ": no such " + (command == &app ? "command" : "flag") + nearest_hint(wrong, known) + "; '" +
+                    who + " --help' shows all");
   }
   throw UserError(in_plain_words(error) + "; '" + who + " --help' shows how");
 }

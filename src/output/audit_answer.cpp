@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "output/json_number.hpp"
@@ -19,8 +20,10 @@ using audit::ErrorUntil;
 using audit::Estimate;
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t most_rows = 8;    // of errors
-constexpr std::size_t most_limits = 4;  // so that all is at most 25 lines
+// So that all is at most 25 lines.
+constexpr std::size_t most_rows = 5;  // of errors
+constexpr std::size_t most_limits = 3;
+constexpr std::size_t most_tried = 4;
 
 std::string count(std::uint64_t number, const char* one, const char* many) {
   return fmt::format("{} {}", number, number == 1 ? one : many);
@@ -106,6 +109,31 @@ std::string steps_line(const Answer& answer) {
   return fmt::format("that keeps an error until {:.3g} s, {}", answer.steps_for_t_s, fmt::join(words, ", "));
 }
 
+/// The best of what was tried, beside the program's own.
+std::string tried_line(const Answer& answer) {
+  std::vector<const audit::Tried*> order;
+  for (const audit::Tried& one : answer.tried) {
+    if (!std::isnan(one.distance_m[answer.tried_at].value)) order.push_back(&one);
+  }
+  const auto error = [&](const audit::Tried* one) { return one->distance_m[answer.tried_at].value; };
+  std::ranges::stable_sort(order, {}, error);
+  std::vector<std::string> words;
+  for (std::size_t i = 0; i < std::min(order.size(), most_tried); ++i) {
+    words.push_back(fmt::format("{} {:.3g} m", order[i]->set, error(order[i])));
+  }
+  if (words.empty()) return "";
+  return fmt::format("until {:.3g} s its own {:.3g} m, {}", answer.steps_for_t_s,
+                     answer.error_at[answer.tried_at].distance_m.value, fmt::join(words, ", "));
+}
+
+std::string softness_line(const Answer& answer) {
+  if (!answer.softness_m) return "";
+  const double own = answer.error_at[answer.tried_at].distance_m.value;
+  const double more = *answer.softness_m - answer.softness_of_step_m;
+  if (!(more > 0.1 * own) || !(more > 1e-6)) return "";  // m: that no one asks for
+  return fmt::format("counts: with ERP and CFM held as numbers a smaller step leads {:.2g} m elsewhere", more);
+}
+
 std::string answer_lines(const Answer& answer) {
   std::string text;
   const auto line = [&text](const char* name, const std::string& what) {
@@ -122,6 +150,8 @@ std::string answer_lines(const Answer& answer) {
                       ? "starts moved by 1e-10 m stay as close"
                       : fmt::format("starts moved by 1e-10 m are {:.2g} times that apart at the end", *answer.growth));
   }
+  line("softness", softness_line(answer));
+  line("settings", tried_line(answer));
   line("energy", fmt::format("{:.4g} J at the start, {:.4g} J at the end, error {} J", answer.energy.begin_J,
                              answer.energy.end_J, error_cell(answer.energy.error_J)));
   if (answer.gap.joint > 0) {
@@ -176,6 +206,20 @@ Json names_json(const std::map<std::uint32_t, std::string>& names) {
   Json object = Json::object();
   for (const auto& [number, name] : names) object[std::to_string(number)] = name;
   return object;
+}
+
+Json tried_json(const Answer& answer) {
+  Json list = Json::array();
+  for (const audit::Tried& tried : answer.tried) {
+    Json errors = Json::array();
+    for (std::size_t i = 0; i < tried.distance_m.size(); ++i) {
+      Json one = {{"t", answer.error_at[i].t_s}};
+      one.update(json_of(tried.distance_m[i]));
+      errors.push_back(std::move(one));
+    }
+    list.push_back({{"set", tried.set}, {"error_at", std::move(errors)}, {"cpu_ratio", json_number(tried.cost)}});
+  }
+  return list;
 }
 
 Json runs_json(const Answer& answer) {
@@ -250,6 +294,8 @@ std::string audit_json(const Answer& answer) {
     steps.push_back({{"error", one.distance_m}, {"until", answer.steps_for_t_s}, {"h", json_of(one.h_s)}});
   }
   json["step_for"] = std::move(steps);
+  json["settings"] = tried_json(answer);
+  json["softness"] = json_of(answer.softness_m);
   json["energy"] = {{"begin", json_number(answer.energy.begin_J)},
                     {"end", json_number(answer.energy.end_J)},
                     {"error", json_of(answer.energy.error_J)}};

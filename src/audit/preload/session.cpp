@@ -36,20 +36,6 @@ void move(const Body& body, double distance) {
                    place[1] + distance * across * std::sin(turn), place[2] + distance * height);
 }
 
-void keep_forces(World& world) {
-  for (Body& body : world.bodies) {
-    std::copy_n(dBodyGetForce(body.id), 3, body.force.begin());
-    std::copy_n(dBodyGetTorque(body.id), 3, body.torque.begin());
-  }
-}
-
-void put_forces_back(World& world) {
-  for (Body& body : world.bodies) {
-    dBodySetForce(body.id, body.force[0], body.force[1], body.force[2]);
-    dBodySetTorque(body.id, body.torque[0], body.torque[1], body.torque[2]);
-  }
-}
-
 /// A joint's feedback after a step is the mean over its parts.
 class Feedback {
  public:
@@ -108,7 +94,8 @@ Session& Session::get() {
 Session::Session()
     : settings_(read_settings()),
       follows_(dCheckConfiguration("ODE_double_precision") != 0),
-      record_(settings_.record, settings_.most_bytes) {
+      record_(settings_.record, settings_.most_bytes),
+      overrides_(settings_.set) {
   if (!follows_) {
     record_.remark(single_precision);
     return;
@@ -161,11 +148,12 @@ void Session::end(Remark why) {
   ::_exit(0);
 }
 
-void Session::first_step(World& world, bool quick) {
+void Session::first_step(World& world, dReal h, Stepper stepper, bool quick) {
   if (Head* head = record_.head()) head->refinement = static_cast<std::uint32_t>(settings_.refinement);
   if (settings_.move_m != 0) {
     for (const Body& body : world.bodies) move(body, settings_.move_m);
   }
+  overrides_.begin(world, h, stepper);
   const auto& frame = sampler_.take(world, {.quick = quick});
   record_.add(frame.data(), frame.size());
 }
@@ -174,7 +162,9 @@ int Session::step(dWorldID id, dReal h, Stepper stepper, bool quick, const void*
   if (!follows_) return stepper(id, h);
   check_thread();
   World& world = worlds_.of(id);
-  if (world.steps == 0) first_step(world, quick);
+  stepper = overrides_.chosen(stepper);
+  overrides_.apply(world);
+  if (world.steps == 0) first_step(world, h, stepper, quick);
   const double begun_s = steady_s();
   const int result = settings_.refinement > 1 ? parts(world, h, stepper, frame_of_step) : stepper(id, h);
   if (result == 0) record_.remark(steps_in_vain);
@@ -198,14 +188,14 @@ int Session::step(dWorldID id, dReal h, Stepper stepper, bool quick, const void*
 
 int Session::parts(World& world, dReal h, Stepper stepper, const void* frame_of_step) {
   const int k = settings_.refinement;
-  keep_forces(world);
+  world.keep_forces();
   Feedback feedback(world);
   unsigned long seed = 0;
   int result = 1;
   for (int part = 0; part < k; ++part) {
     if (part > 0) {
       renew_contacts(world, frame_of_step);
-      put_forces_back(world);
+      world.put_forces_back();
     }
     std::optional<Softened> softened;
     if (settings_.hold_springs) softened.emplace(world, k);

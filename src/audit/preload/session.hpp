@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "audit/preload/collisions.hpp"
+#include "audit/preload/overrides.hpp"
 #include "audit/preload/record.hpp"
 #include "audit/preload/sample.hpp"
 #include "audit/preload/settings.hpp"
@@ -52,7 +53,7 @@ class Session {
 
  private:
   Session();
-  void first_step(World& world, bool quick);
+  void first_step(World& world, dReal h, Stepper stepper, bool quick);
   int parts(World& world, dReal h, Stepper stepper, const void* frame_of_step);
   void renew_contacts(World& world, const void* frame_of_step);
   void check_thread();
@@ -61,6 +62,7 @@ class Session {
   Settings settings_;
   bool follows_;
   Record record_;
+  Overrides overrides_;
   Worlds worlds_;
   Collisions collisions_;
   Sampler sampler_;

@@ -25,6 +25,7 @@ Settings read_settings() {
   settings.hold_springs = word(environment::hold) != "numbers";
   settings.renew_contacts = word(environment::contacts) != "held";
   settings.until_s = number(environment::until, settings.until_s);
+  settings.set = word(environment::set);
   settings.move_m = number(environment::move, settings.move_m);
   settings.record = word(environment::record);
   settings.most_bytes = number(environment::most_bytes, settings.most_bytes);

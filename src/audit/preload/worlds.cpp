@@ -6,6 +6,20 @@
 
 namespace odeval::audit {
 
+void World::keep_forces() {
+  for (Body& body : bodies) {
+    std::copy_n(dBodyGetForce(body.id), 3, body.force.begin());
+    std::copy_n(dBodyGetTorque(body.id), 3, body.torque.begin());
+  }
+}
+
+void World::put_forces_back() {
+  for (Body& body : bodies) {
+    dBodySetForce(body.id, body.force[0], body.force[1], body.force[2]);
+    dBodySetTorque(body.id, body.torque[0], body.torque[1], body.torque[2]);
+  }
+}
+
 World& Worlds::of(dWorldID id) {
   const auto found = std::find_if(worlds_.begin(), worlds_.end(), [id](const World& world) { return world.id == id; });
   if (found != worlds_.end()) return *found;

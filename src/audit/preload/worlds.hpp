@@ -46,6 +46,9 @@ struct World {
   std::vector<Joint> joints{};  // no contacts
   std::uint32_t contacts = 0;   // made since the last step
   dReal depth = 0;              // the largest of them
+
+  void keep_forces();
+  void put_forces_back();
 };
 
 /// Joints that the program empties together.
