@@ -106,7 +106,7 @@ std::string steps_line(const Answer& answer) {
                                                       : fmt::format("{:.2g} s", *one.h_s);
     words.push_back(fmt::format("{}: {}", distance, step));
   }
-  return fmt::format("that keeps an error until {:.3g} s, {}", answer.steps_for_t_s, fmt::join(words, ", "));
+  return fmt::format("for an error until {:.3g} s of {}", answer.steps_for_t_s, fmt::join(words, ", of "));
 }
 
 /// The best of what was tried, beside the program's own.
@@ -119,10 +119,10 @@ std::string tried_line(const Answer& answer) {
   std::ranges::stable_sort(order, {}, error);
   std::vector<std::string> words;
   for (std::size_t i = 0; i < std::min(order.size(), most_tried); ++i) {
-    words.push_back(fmt::format("{} {:.3g} m", order[i]->set, error(order[i])));
+    words.push_back(fmt::format("{}: {:.3g} m", order[i]->set, error(order[i])));
   }
   if (words.empty()) return "";
-  return fmt::format("until {:.3g} s its own {:.3g} m, {}", answer.steps_for_t_s,
+  return fmt::format("until {:.3g} s as it is: {:.3g} m, {}", answer.steps_for_t_s,
                      answer.error_at[answer.tried_at].distance_m.value, fmt::join(words, ", "));
 }
 
