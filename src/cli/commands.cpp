@@ -26,6 +26,8 @@ constexpr std::array table{
     Command{"compare", "two folders of results: same bytes, same within uncertainty, or different (exit 1)",
             attach_compare},
     Command{"audit", "how wrong is a running ODE program? It is run unchanged and at smaller steps", attach_audit},
+    Command{"judge", "a trace of one's own beside a scenario's reference, or beside its run at half the step",
+            attach_judge},
     Command{"report", "all of it, and the verdicts on the 2010 report's claims, as one page", attach_report},
 };
 
