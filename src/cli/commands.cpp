@@ -25,6 +25,9 @@ constexpr std::array table{
     Command{"check", "every tolerance of the scenario files; exit status 1 if one fails", attach_check},
     Command{"compare", "two folders of results: same bytes, same within uncertainty, or different (exit 1)",
             attach_compare},
+    Command{"audit", "how wrong is a running ODE program? It is run unchanged and at smaller steps", attach_audit},
+    Command{"judge", "a trace of one's own beside a scenario's reference, or beside its run at half the step",
+            attach_judge},
     Command{"report", "all of it, and the verdicts on the 2010 report's claims, as one page", attach_report},
 };
 
@@ -53,13 +56,17 @@ std::string in_plain_words(const CLI::ParseError& error) {
     for (const Command& row : table) known.emplace_back(row.name);
   }
   const std::string who = command == &app ? "odeval" : "odeval " + command->get_name();
-  const std::vector<std::string> extra = app.remaining(true);
+  std::vector<std::string> extra = app.remaining(true);
+  std::erase(extra, "--");  // after which no word is a flag
   if (!extra.empty()) {
-    if (command != &app && !extra.front().starts_with("-")) {
-      throw UserError(extra.front() + ": one argument too many; '" + who + " --help' shows all");
+    // A flag that nobody knows leaves its value over, and all that follows.
+    const auto flag = std::ranges::find_if(extra, [](const std::string& word) { return word.starts_with("-"); });
+    const std::string& wrong = flag != extra.end() ? *flag : extra.front();
+    if (command != &app && !wrong.starts_with("-")) {
+      throw UserError(wrong + ": one argument too many; '" + who + " --help' shows all");
     }
-    throw UserError(extra.front() + ": no such " + (command == &app ? "command" : "flag") +
-                    nearest_hint(extra.front(), known) + "; '" + who + " --help' shows all");
+    throw UserError(wrong + ": no such " + (command == &app ? "command" : "flag") + nearest_hint(wrong, known) + "; '" +
+                    who + " --help' shows all");
   }
   throw UserError(in_plain_words(error) + "; '" + who + " --help' shows how");
 }

@@ -1,5 +1,7 @@
 #include "cli/settings.hpp"
 
+#include <sched.h>
+
 #include <algorithm>
 #include <array>
 #include <iostream>
@@ -131,6 +133,13 @@ void add_method_option(Flags& flags, std::vector<std::string>& methods) {
 
 void add_out_option(Flags& flags, std::string& out) {
   flags.add_option("--out", out, "folder of the results").type_name("DIR").check(folder_name()).capture_default_str();
+}
+
+void add_jobs_option(Flags& flags, int& jobs) {
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  jobs = ::sched_getaffinity(0, sizeof cores, &cores) == 0 ? std::max(1, CPU_COUNT(&cores)) : 1;
+  flags.add_option("--jobs", jobs, "runs at a time; default: one a core").type_name("N").check(whole_within(1, 1024));
 }
 
 std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::string>& asked, const Scenario& scenario) {

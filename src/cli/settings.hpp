@@ -38,6 +38,8 @@ class Settings {
 /// `--method M[,M...]` and `--out DIR`, as every command that has them spells them.
 void add_method_option(Flags& flags, std::vector<std::string>& methods);
 void add_out_option(Flags& flags, std::string& out);
+/// Sets it to the cores that this process may use, and adds `--jobs`.
+void add_jobs_option(Flags& flags, int& jobs);
 
 /// The methods to run: those asked for, or else the scenario's own list. A method of that list that is missing in this
 /// build is left out with a line on stderr; one that was asked for is a UserError.

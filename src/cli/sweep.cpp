@@ -1,6 +1,5 @@
 // odeval sweep: a grid of settings in every method, in worker processes, with a journal that survives all of them.
 #include <fmt/format.h>
-#include <sched.h>
 
 #include <algorithm>
 #include <cstring>
@@ -35,13 +34,6 @@ struct Options {
   std::string out = "results";
   AnswerOptions answer;
 };
-
-/// Cores that this process may use.
-int usable_cores() {
-  cpu_set_t cores;
-  CPU_ZERO(&cores);
-  return ::sched_getaffinity(0, sizeof cores, &cores) == 0 ? std::max(1, CPU_COUNT(&cores)) : 1;
-}
 
 bool is_whole_key(const std::string& key) {
   return std::ranges::any_of(key_table(), [&](const KeyRow& row) {
@@ -200,7 +192,6 @@ int sweep_grid(const Options& options) {
 
 Action attach_sweep(Flags& flags) {
   const auto options = std::make_shared<Options>();
-  options->jobs = usable_cores();
   flags.add_option("SCENARIO", options->scenario, "a name ('odeval list') or a .toml file").required();
   flags
       .add_option(
@@ -210,9 +201,7 @@ Action attach_sweep(Flags& flags) {
       .type_name("KEY=VALUES")
       .one_value();
   add_method_option(flags, options->methods);
-  flags.add_option("--jobs", options->jobs, "runs at a time; default: one a core")
-      .type_name("N")
-      .check(whole_within(1, 1024));
+  add_jobs_option(flags, options->jobs);
   flags.add_option("--shard", options->shard, "only the I-th of N parts of the runs; 'odeval merge' joins them")
       .type_name("I/N");
   flags.add_option("--timeout", options->timeout_s, "seconds after which a run is given up")

@@ -71,6 +71,64 @@ class Layout {
   std::vector<const double*> columns_;
 };
 
+/// The way back: columns of a file, by the names that `Layout` gives them.
+class Unlayout {
+ public:
+  explicit Unlayout(const CsvColumns& table) : table_(table) {
+    for (const TraceColumn& row : trace_columns) {
+      std::visit([&](auto place) { take_of_trace(std::string(row.name), place); }, row.place);
+    }
+    for (std::size_t body = 0;; ++body) {
+      trace_.bodies.emplace_back();
+      found_ = false;
+      for (const TraceColumn& row : trace_columns) {
+        std::visit([&](auto place) { take_of_body(std::string(row.name), body, place); }, row.place);
+      }
+      if (found_) continue;
+      trace_.bodies.pop_back();
+      break;
+    }
+  }
+
+  Trace trace() && { return std::move(trace_); }
+
+ private:
+  bool take(const std::string& name, Column& column) {
+    const auto found = std::ranges::find(table_.header, name);
+    if (found == table_.header.end()) return false;
+    column = table_.columns[static_cast<std::size_t>(found - table_.header.begin())];
+    found_ = true;
+    return true;
+  }
+
+  void take_of_trace(const std::string& name, Column Trace::*place) { take(name, trace_.*place); }
+  void take_of_trace(const std::string& name, std::vector<Column> Trace::*place) {
+    Column column;
+    while (take(name + std::to_string((trace_.*place).size() + 1), column)) {
+      (trace_.*place).push_back(std::move(column));
+    }
+  }
+  template <class Place>
+  void take_of_trace(const std::string&, Place) {}  // made of others, or body by body
+
+  void take_of_body(const std::string& name, std::size_t body, std::array<Column, 3> BodyColumns::*place) {
+    for (std::size_t d = 0; d < 3; ++d) {
+      take(name + "xyz"[d] + std::to_string(body + 1), (trace_.bodies[body].*place)[d]);
+    }
+  }
+  void take_of_body(const std::string& name, std::size_t body, std::array<Column, 9> BodyColumns::*place) {
+    for (std::size_t d = 0; d < 9; ++d) {
+      take(fmt::format("{}{}{}{}", name, body + 1, d / 3 + 1, d % 3 + 1), (trace_.bodies[body].*place)[d]);
+    }
+  }
+  template <class Place>
+  void take_of_body(const std::string&, std::size_t, Place) {}  // of the trace
+
+  const CsvColumns& table_;
+  Trace trace_;
+  bool found_ = false;
+};
+
 bool is_number(std::string_view text, std::size_t digits) {
   return text.size() >= digits && text.find_first_not_of("0123456789") == std::string_view::npos;
 }
@@ -132,6 +190,8 @@ std::string trace_csv(const Trace& trace) {
   put_trace_csv(trace, [&](std::string_view line) { text += line; });
   return text;
 }
+
+Trace trace_of(const CsvColumns& table) { return Unlayout(table).trace(); }
 
 CsvColumns parse_csv(std::string_view text, const std::string& name) {
   CsvColumns table;

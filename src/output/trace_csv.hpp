@@ -29,6 +29,10 @@ struct CsvColumns {
 /// Throws UserError, naming `name` and the line, when a row has another number of cells or a cell is no number.
 CsvColumns parse_csv(std::string_view text, const std::string& name);
 
+/// The columns that a trace has in files, whichever of them are there; what is made of others (energy) and columns that
+/// no trace has are left out.
+Trace trace_of(const CsvColumns& table);
+
 /// Throws UserError as `parse_csv`, and when the file cannot be read.
 CsvColumns read_csv(const std::filesystem::path& file);
 

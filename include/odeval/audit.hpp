@@ -1,0 +1,138 @@
+#pragma once
+// What an audit says of a running ODE program: how far its simulation is from the one that it would be at a step of 0.
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace odeval::audit {
+
+/// How the errors of the refined runs fall, the best first.
+enum class Convergence {
+  settled,  // by the order's own factor: the error is known to a tenth
+  rough,    // they fall, but the error is known to its size only
+  none,     // they do not: there is no limit in sight
+};
+
+/// A difference from the limit, what the limit itself may be off by, and whether there is one.
+struct Estimate {
+  double value = 0;
+  double uncertainty = 0;
+  Convergence convergence = Convergence::none;
+};
+
+/// The largest until a time, over bodies and over all steps of the program.
+struct ErrorUntil {
+  double t_s = 0;
+  Estimate distance_m;          // of centres of mass
+  Estimate turn_rad;            // of attitudes
+  std::optional<double> order;  // of the larger part; nothing where there is no error
+  std::uint32_t body = 0;       // with the largest distance, from 1 in order of creation
+
+  Convergence convergence() const { return std::max(distance_m.convergence, turn_rad.convergence); }
+};
+
+struct BodyError {
+  double t_s = 0;
+  std::uint32_t body = 0;
+  Estimate distance_m;
+  Estimate turn_rad;
+};
+
+/// The largest step, up to the program's own, that keeps a distance from the limit.
+struct StepFor {
+  double distance_m = 0;
+  std::optional<double> h_s;  // nothing: smaller than the finest that was tried, and how much can not be told
+};
+
+/// A run of the program, as it ended.
+struct ProgramRun {
+  int refinement = 1;
+  std::string what;                // "unchanged", "steps of h/2", "starts moved by 1e-10 m"
+  std::string end;                 // "exit status 0", "ended by --until 10"
+  std::optional<int> exit_status;  // where it ended by itself, and by no signal
+  std::uint64_t steps = 0;
+  double simulated_s = 0;
+  double cpu_s = 0;
+};
+
+/// The program with another setting, at its own step.
+struct Tried {
+  std::string set;  // "erp=0.8"
+  std::vector<Estimate>
+      distance_m;   // from the limit, at the times of Answer::error_at; no number: it has ended by then
+  double cost = 0;  // of a step within ODE, over that of the unchanged run
+};
+
+struct Energy {
+  double begin_J = 0;
+  double end_J = 0;
+  Estimate error_J;  // at the end, from the limit's
+};
+
+struct Gap {
+  double largest_m = 0;
+  double t_s = 0;
+  std::int32_t joint = 0;  // from 1 in order of creation; 0: none
+};
+
+/// A step of the program, of the world made `world`-th, from 1.
+struct StepRow {
+  std::uint32_t world = 1;
+  double t_s = 0;
+  double kinetic_J = 0;
+  double potential_J = 0;
+  double gap_m = 0;
+  std::uint32_t contacts = 0;
+  double depth_m = 0;
+  std::uint32_t messages = 0;
+};
+
+/// Where two runs of the same program part.
+struct Parting {
+  std::uint64_t step = 0;
+  double t_s = 0;
+  std::uint32_t body = 0;  // from 1; 0: the runs differ in bodies or in steps
+};
+
+struct Answer {
+  std::string program;
+  std::string stepper;  // "dWorldStep", "dWorldQuickStep" or both
+  double h_s = 0;       // of the first step
+  bool h_varies = false;
+  bool springs_held = true;  // ERP, CFM and damping converted; else the numbers
+  std::uint32_t bodies = 0;  // the most at a time, as the two after them
+  std::uint32_t joints = 0;
+  std::uint32_t contacts = 0;
+  double depth_m = 0;  // the largest
+  std::uint64_t messages = 0;
+  std::string first_message;
+  std::map<std::uint32_t, std::string> body_names;  // from 1, those that the program named
+  std::map<std::uint32_t, std::string> joint_names;
+  double ode_s = 0;  // within ODE, of the unchanged run
+
+  std::vector<ProgramRun> runs;    // the unchanged first
+  std::optional<Parting> parting;  // of the two unchanged runs: nothing: they are the same to the bit
+  std::string reason;              // why there is no error; empty: there is
+
+  double until_s = 0;  // up to which all runs go
+  std::vector<ErrorUntil> error_at;
+  std::vector<BodyError> error_of_body;
+  double motion_m = 0;              // how far a body went from its start
+  std::optional<double> lost_at_s;  // where the error is more than a tenth of the largest way, or turn, of a body
+  std::optional<double> growth;     // of a distance of starts, at the end
+  double steps_for_t_s = 0;         // the time that they keep it until
+  std::vector<StepFor> steps_for;
+  std::vector<Tried> tried;
+  std::size_t tried_at = 0;          // of Answer::error_at, the time that steps_for has as well
+  std::optional<double> softness_m;  // how far a run that holds numbers in the place of springs is from the limit, at
+                                     // the refinement of which the same run with springs is `softness_of_step_m` off
+  double softness_of_step_m = 0;
+  Energy energy;
+  Gap gap;
+  std::vector<std::string> limits;  // of this answer, a sentence each
+};
+
+}  // namespace odeval::audit

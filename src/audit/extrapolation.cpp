@@ -1,0 +1,103 @@
+#include "audit/extrapolation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace odeval::audit {
+namespace {
+
+double distance(const double* a, const double* b, std::size_t components) {
+  double sum = 0;
+  for (std::size_t c = 0; c < components; ++c) sum += (a[c] - b[c]) * (a[c] - b[c]);
+  return std::sqrt(sum);
+}
+
+/// NaN, which a run that blew up has, is the largest.
+void raise(double& largest, double value) {
+  if (!std::isnan(largest) && !(value <= largest)) largest = value;
+}
+
+}  // namespace
+
+Spread::Spread(const std::vector<int>& refinements, std::size_t others)
+    : apart_(refinements.size() * refinements.size()), off_((refinements.size() + others) * refinements.size()) {
+  for (const int k : refinements) steps_.push_back(1.0 / k);
+}
+
+void Spread::add(const double* values, std::size_t components, double metric) {
+  const std::size_t n = runs();
+  table_.resize(n * n * components);
+  const auto at = [&](std::size_t run, std::size_t degree) { return table_.data() + (run * n + degree) * components; };
+  for (std::size_t i = 0; i < n; ++i) {
+    std::copy_n(values + i * components, components, at(i, 0));
+    for (std::size_t j = 1; j <= i; ++j) {
+      const double weight = 1 / (steps_[i - j] / steps_[i] - 1);
+      for (std::size_t c = 0; c < components; ++c) {
+        at(i, j)[c] = at(i, j - 1)[c] + weight * (at(i, j - 1)[c] - at(i - 1, j - 1)[c]);
+      }
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      raise(apart_[i * n + j], metric * distance(at(i, j), at(i - 1, j), components));
+    }
+  }
+  for (std::size_t i = 0; i * n < off_.size(); ++i) {
+    for (std::size_t j = 0; j < n; ++j) {
+      raise(off_[i * n + j], metric * distance(values + i * components, at(n - 1, j), components));
+    }
+  }
+}
+
+void Spread::add(const Spread& other) {
+  for (std::size_t i = 0; i < apart_.size(); ++i) raise(apart_[i], other.apart_[i]);
+  for (std::size_t i = 0; i < off_.size(); ++i) raise(off_[i], other.off_[i]);
+}
+
+// T(last, j) is nearer to the limit than T(last-1, j), so that their distance is about the error of the worse of them;
+// of degree 0, where at first order it is no more than that of the better, twice. The pair before it, at the rate at
+// which degree j falls, keeps a chance nearness of the last two from counting.
+double Spread::uncertainty(std::size_t degree) const {
+  const std::size_t last = runs() - 1;
+  double its = apart(last, degree);
+  if (last >= degree + 2) {
+    const double rate = std::pow(steps_[last] / steps_[last - 1], static_cast<double>(degree + 1));
+    raise(its, apart(last - 1, degree) * rate);
+  }
+  return degree == 0 ? 2 * its : its;
+}
+
+std::size_t Spread::best_degree() const {
+  std::size_t best = 0;
+  for (std::size_t degree = 1; degree + 1 < runs(); ++degree) {
+    if (uncertainty(degree) < uncertainty(best)) best = degree;
+  }
+  return best;
+}
+
+Estimate Spread::error(std::size_t run, double unseen, double rounding) const {
+  const std::size_t degree = best_degree();
+  Estimate its{off_[run * runs() + degree], uncertainty(degree) + unseen + rounding, Convergence::none};
+  its.convergence = convergence(its, unseen);
+  return its;
+}
+
+std::optional<double> Spread::order_of(std::size_t first, std::size_t last) const {
+  if (first == 0 || first >= last || !(apart(first, 0) > 0) || !(apart(last, 0) > 0)) return std::nullopt;
+  return std::log(apart(first, 0) / apart(last, 0)) / std::log(steps_[first] / steps_[last]);
+}
+
+std::optional<double> Spread::order() const { return order_of(runs() - 2, runs() - 1); }
+
+// Where an impact falls in a step makes one difference small by chance, so that all of them are asked; and differences
+// that are no larger than that chance do not say that there is no limit.
+Convergence Spread::convergence(const Estimate& error, double unseen) const {
+  if (error.uncertainty <= 0.1 * error.value) return Convergence::settled;
+  constexpr double nothing = 1e-9;  // m or rad: nobody's concern, and near rounding
+  if (error.value + error.uncertainty <= nothing) return Convergence::settled;
+  constexpr double hardly = 0.3;  // 2 to the power of it is 1.2: halving the step takes away a fifth
+  const std::size_t last = runs() - 1;
+  const std::optional<double> falls = order_of(1, last);
+  const bool by_chance = apart(last, 0) <= unseen * steps_[last - 1] / steps_[last];
+  return by_chance || (falls && *falls > hardly) ? Convergence::rough : Convergence::none;
+}
+
+}  // namespace odeval::audit

@@ -1,0 +1,439 @@
+#include "audit/judge.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <numbers>
+#include <unordered_map>
+
+#include "audit/extrapolation.hpp"
+#include "audit/recording.hpp"
+
+namespace odeval::audit {
+namespace {
+
+using Moment = Recording::Moment;
+
+/// 1, 2, 5, 10, … s, and those below where the run does not reach 1 s.
+double report_time(int number) {
+  constexpr std::array leads{1.0, 2.0, 5.0};
+  const int decade = number >= 0 ? number / 3 : -((2 - number) / 3);
+  return leads[static_cast<std::size_t>(number - 3 * decade)] * std::pow(10.0, decade);
+}
+constexpr int first_report = -9;  // 1 ms
+constexpr double rounding_of_time = 1e-9;
+
+bool same_bodies(const Moment& a, const Moment& b) {
+  return a.frame.world == b.frame.world && a.frame.step == b.frame.step &&
+         std::ranges::equal(a.bodies, b.bodies, {}, &BodySample::body, &BodySample::body) &&
+         std::fabs(a.frame.t - b.frame.t) <= rounding_of_time * (1 + a.frame.t);
+}
+
+double away(const double* a, const double* b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
+
+/// The quaternion of the two that mean the attitude, that is nearer to `to`.
+std::array<double, 4> near(const double* quaternion, const double* to) {
+  double product = 0;
+  for (int i = 0; i < 4; ++i) product += quaternion[i] * to[i];
+  std::array<double, 4> nearer{};
+  for (int i = 0; i < 4; ++i) nearer[i] = product < 0 ? -quaternion[i] : quaternion[i];
+  return nearer;
+}
+
+/// Between attitudes, rad.
+double turn(const double* a, const double* b) {
+  const std::array<double, 4> nearer = near(a, b);
+  double square = 0;
+  for (int i = 0; i < 4; ++i) square += (nearer[i] - b[i]) * (nearer[i] - b[i]);
+  return 4 * std::asin(std::min(1.0, std::sqrt(square) / 2));
+}
+
+/// What rounding has come to: the motion makes it grow as it makes grow what starts were moved by.
+struct Chaos {
+  double moved_by_m = 0;
+  double apart_m = 0;       // the largest so far
+  double extent_m = 0;      // of coordinates
+  std::uint64_t steps = 0;  // of the finest run
+
+  double growth() const { return moved_by_m > 0 ? std::max(1.0, apart_m / moved_by_m) : 1; }
+  /// Half a unit of the last place a step, all one way.
+  double rounding_m() const { return 1.1e-16 * static_cast<double>(steps) * std::max(1.0, extent_m) * growth(); }
+};
+
+/// What no refinement sees: where a velocity bends or jumps (an impact, a motor that reaches its speed) within the
+/// first part of a step, all runs have it between the same two grid points, and agree on a limit that is off by up to
+/// what the bend comes to in the finest part of a step. Bends fall anywhere, so their squares add.
+class Bends {
+ public:
+  void add(const double* velocity, double h) {
+    constexpr long first = 2;  // what begins with the run begins on everybody's grid
+    double square = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double change = velocity[i] - before_[i];
+      if (steps_ > first) square += (change - change_[i]) * (change - change_[i]);
+      change_[i] = change;
+      before_[i] = velocity[i];
+    }
+    ++steps_;
+    sum_ += square * h * h;
+  }
+  double unseen(int refinement) const { return std::sqrt(sum_) / refinement; }
+
+ private:
+  std::array<double, 3> before_{};
+  std::array<double, 3> change_{};
+  long steps_ = 0;
+  double sum_ = 0;
+};
+
+struct Errors {
+  Spread distance;
+  Spread turn;
+};
+
+/// A body of the unchanged run.
+struct Path {
+  BodySample start;
+  Bends velocity{};
+  Bends spin{};
+};
+
+class Judge {
+ public:
+  Judge(const Records& records, Answer& answer)
+      : records_(records),
+        answer_(answer),
+        others_(records.tried.size() + (records.with_numbers ? 1 : 0)),
+        all_(fresh()),
+        energy_(records.refinements) {
+    for (const auto& file : records.refined) runs_.emplace_back(file);
+    for (std::size_t i = 0; i < records.tried.size(); ++i) others_[i].emplace(records.tried[i]);
+    if (records.with_numbers) others_.back().emplace(*records.with_numbers);
+    if (records.moved) moved_.emplace(*records.moved);
+    chaos_.moved_by_m = records.moved_by_m;
+  }
+
+  void judge() {
+    while (next()) {
+      report_before(moments_.front().frame.t);
+      take();
+    }
+    if (answer_.error_at.empty() || answer_.error_at.back().t_s < answer_.until_s * (1 - 1e-6)) {
+      report(answer_.until_s);
+    }
+    sum_up();
+  }
+
+ private:
+  Errors fresh() const {
+    return {Spread(records_.refinements, others_.size()), Spread(records_.refinements, others_.size())};
+  }
+
+  /// The same step of all runs; false when one has none, or other bodies.
+  bool next() {
+    moments_.clear();
+    for (Recording& run : runs_) {
+      const auto moment = run.next();
+      if (!moment) return false;
+      if (!moments_.empty() && !same_bodies(moments_.front(), *moment)) {
+        answer_.limits.push_back("refined runs have other bodies or other steps from step " +
+                                 std::to_string(moment->frame.step) + " on, and are compared until there");
+        return false;
+      }
+      moments_.push_back(*moment);
+    }
+    of_others_.assign(others_.size(), std::nullopt);
+    for (std::size_t i = 0; i < others_.size(); ++i) {
+      if (others_[i]) of_others_[i] = others_[i]->next();
+      if (!of_others_[i] || !same_bodies(moments_.front(), *of_others_[i])) {
+        of_others_[i].reset();
+        others_[i].reset();
+      }
+    }
+    return true;
+  }
+
+  void take() {
+    const Moment& own = moments_.front();
+    for (std::size_t i = 0; i < own.bodies.size(); ++i) take_body(i);
+    std::vector<double> energies;
+    for (const Moment& moment : moments_) energies.push_back(moment.frame.kinetic + moment.frame.potential);
+    energy_ =
+        Spread(records_.refinements);  // of this step alone: in an impact that comes later energies differ for a moment
+    energy_.add(energies.data(), 1, 1);
+    take_moved(own);
+    chaos_.steps = own.frame.step * static_cast<std::uint64_t>(records_.refinements.back());
+    answer_.until_s = std::max(answer_.until_s, own.frame.t);
+    const double error = larger_of(distance(all_.distance));
+    const double turned = larger_of(turn(all_.turn));
+    if (path_.empty() || error > 1.01 * path_.back().distance || turned > 1.01 * path_.back().turn) {
+      path_.push_back({own.frame.t, error, turned});
+    }
+  }
+
+  void take_body(std::size_t i) {
+    const BodySample& own = moments_.front().bodies[i];
+    Errors& its = of_body_.try_emplace(own.body, fresh()).first->second;
+    values_.clear();
+    for (const Moment& moment : moments_) {
+      const BodySample& body = moment.bodies[i];
+      values_.insert(values_.end(), body.position, body.position + 3);
+    }
+    for (const auto& moment : of_others_) {
+      for (std::size_t k = 0; k < 3; ++k) values_.push_back(moment ? moment->bodies[i].position[k] : NAN);
+    }
+    its.distance.add(values_.data(), 3, 1);
+    values_.clear();
+    for (const Moment& moment : moments_) {
+      const std::array<double, 4> quaternion = near(moment.bodies[i].quaternion, own.quaternion);
+      values_.insert(values_.end(), quaternion.begin(), quaternion.end());
+    }
+    for (const auto& moment : of_others_) {
+      const std::array<double, 4> quaternion =
+          near(moment ? moment->bodies[i].quaternion : own.quaternion, own.quaternion);
+      for (const double part : quaternion) values_.push_back(moment ? part : NAN);
+    }
+    its.turn.add(values_.data(), 4, 2);  // a small turn is twice the distance of quaternions
+    all_.distance.add(its.distance);
+    all_.turn.add(its.turn);
+    Path& path = paths_.try_emplace(own.body, Path{own}).first->second;
+    answer_.motion_m = std::max(answer_.motion_m, away(own.position, path.start.position));
+    most_turned_ = std::max(most_turned_, audit::turn(own.quaternion, path.start.quaternion));
+    const double h = moments_.front().frame.h;
+    if (own.kinematic == 0) {
+      path.velocity.add(own.velocity, h);
+      path.spin.add(own.spin, h);
+    }
+    unseen_m_ = std::max(unseen_m_, path.velocity.unseen(records_.refinements.back()));
+    unseen_rad_ = std::max(unseen_rad_, path.spin.unseen(records_.refinements.back()));
+    for (const double x : own.position) chaos_.extent_m = std::max(chaos_.extent_m, std::fabs(x));
+  }
+
+  void take_moved(const Moment& own) {
+    if (!moved_) return;
+    const auto moved = moved_->next();
+    if (!moved || !same_bodies(own, *moved)) return moved_.reset();
+    for (std::size_t i = 0; i < own.bodies.size(); ++i) {
+      chaos_.apart_m = std::max(chaos_.apart_m, away(own.bodies[i].position, moved->bodies[i].position));
+    }
+  }
+
+  /// A time of the report has passed when the first step after it comes.
+  void report_before(double t) {
+    for (double at = report_time(next_report_); at < t * (1 - rounding_of_time); at = report_time(++next_report_)) {
+      if (answer_.until_s >= at * (1 - rounding_of_time)) report(at);
+    }
+  }
+
+  static double larger_of(const Estimate& error) { return std::max(error.value, error.uncertainty); }
+
+  Estimate distance(const Spread& spread, std::size_t run = 0) const {
+    return spread.error(run, unseen_m_, chaos_.rounding_m());
+  }
+  Estimate turn(const Spread& spread) const { return spread.error(0, unseen_rad_, chaos_.rounding_m()); }
+
+  void report(double t) {
+    ErrorUntil row;
+    row.t_s = t;
+    row.distance_m = distance(all_.distance);
+    row.turn_rad = turn(all_.turn);
+    // A metre and a radian are as good as each other for asking how errors fall.
+    const bool rather_turned = row.turn_rad.value > row.distance_m.value;
+    row.order = (rather_turned ? all_.turn : all_.distance).order();
+    double largest = -1;
+    for (const auto& [body, errors] : of_body_) {
+      const BodyError its{t, body + 1, distance(errors.distance), turn(errors.turn)};
+      answer_.error_of_body.push_back(its);
+      const double size = rather_turned ? its.turn_rad.value : its.distance_m.value;
+      if (size < largest || (size == largest && its.body > row.body)) continue;
+      largest = size;
+      row.body = its.body;
+    }
+    answer_.error_at.push_back(row);
+    std::vector<Estimate> of_runs;
+    for (std::size_t run = 0; run < runs_.size() + others_.size(); ++run)
+      of_runs.push_back(distance(all_.distance, run));
+    distances_.push_back(std::move(of_runs));
+  }
+
+  void sum_up() {
+    leave_out_early_times();
+    std::ranges::sort(answer_.error_of_body, [](const BodyError& a, const BodyError& b) {
+      return a.t_s != b.t_s ? a.t_s < b.t_s : a.body < b.body;
+    });
+    find_loss();
+    if (records_.moved && moved_) answer_.growth = chaos_.growth();
+    answer_.energy.error_J = energy_.error(0);
+    find_steps();
+    take_tried();
+  }
+
+  /// What hardly moves is not lost by moving otherwise: less than a millimetre and half a degree are never a loss.
+  void find_loss() {
+    constexpr double part = 0.1;
+    const double distance = std::max(part * answer_.motion_m, 1e-3);
+    const double turned = std::max(part * most_turned_, 1e-2);
+    const auto lost = std::ranges::find_if(
+        path_, [&](const PathPoint& point) { return point.distance > distance || point.turn > turned; });
+    if (lost != path_.end()) answer_.lost_at_s = lost->t;
+  }
+
+  /// Times below 1 s are for what ends before that.
+  void leave_out_early_times() {
+    const double first =
+        std::pow(10.0, std::floor(std::log10(std::min(1.0, answer_.until_s * (1 + rounding_of_time)))));
+    while (answer_.error_at.size() > 1 && answer_.error_at.front().t_s < first * (1 - rounding_of_time)) {
+      answer_.error_at.erase(answer_.error_at.begin());
+      distances_.erase(distances_.begin());
+    }
+    std::erase_if(answer_.error_of_body, [&](const BodyError& row) { return row.t_s < answer_.error_at.front().t_s; });
+  }
+
+  /// At the last time of the report before the motion is lost.
+  void find_steps() {
+    std::size_t last = answer_.error_at.size() - 1;
+    while (last > 0 && answer_.lost_at_s && answer_.error_at[last].t_s > *answer_.lost_at_s) --last;
+    answer_.tried_at = last;
+    answer_.steps_for_t_s = answer_.error_at[last].t_s;
+    for (const double wanted : {1e-3, 1e-2, 1e-1}) answer_.steps_for.push_back({wanted, step_for(last, wanted)});
+  }
+
+  void take_tried() {
+    const std::size_t runs = runs_.size();
+    for (std::size_t i = 0; i < records_.tried.size(); ++i) {
+      Tried tried{records_.tried_sets[i], {}, cost_of(records_.tried[i]) / cost_of(records_.refined.front())};
+      for (const auto& distances : distances_) tried.distance_m.push_back(distances[runs + i]);
+      answer_.tried.push_back(std::move(tried));
+    }
+    if (!records_.with_numbers) return;
+    const std::vector<Estimate>& distances = distances_[answer_.tried_at];
+    answer_.softness_m = distances.back().value;
+    answer_.softness_of_step_m = distances[runs - 2].value;
+  }
+
+  /// Of a step within ODE, s: the median, since the machine does other things as well.
+  static double cost_of(const std::filesystem::path& record) {
+    Recording run(record);
+    std::vector<float> steps;
+    for (auto moment = run.next(); moment; moment = run.next()) {
+      if (moment->frame.step > 0) steps.push_back(static_cast<float>(moment->frame.ode_s));
+    }
+    if (steps.empty()) return NAN;
+    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    std::ranges::nth_element(steps, middle);
+    return *middle;
+  }
+
+  /// None larger than the program's own, which nobody has tried.
+  std::optional<double> step_for(std::size_t report, double wanted) const {
+    const double h = answer_.h_s;
+    const std::vector<Estimate>& runs = distances_[report];
+    const ErrorUntil& own = answer_.error_at[report];
+    if (own.convergence() == Convergence::settled && own.order) {
+      const double most = runs.front().value + runs.front().uncertainty;
+      return h * std::min(1.0, std::pow(wanted / most, 1 / *own.order));
+    }
+    for (std::size_t run = 0; run < runs_.size(); ++run) {
+      if (runs[run].value + runs[run].uncertainty <= wanted) return h / records_.refinements[run];
+    }
+    return std::nullopt;
+  }
+
+  struct PathPoint {
+    double t;
+    double distance;
+    double turn;
+  };
+
+  const Records& records_;
+  Answer& answer_;
+  std::vector<Recording> runs_;
+  std::optional<Recording> moved_;
+  std::vector<std::optional<Recording>> others_;  // tried, then with numbers; none: it has ended, or has other bodies
+  std::vector<std::optional<Moment>> of_others_;  // of this step
+  std::vector<Moment> moments_;                   // of this step, one a run
+  std::vector<double> values_;
+  Errors all_;
+  std::unordered_map<std::uint32_t, Errors> of_body_;
+  std::unordered_map<std::uint32_t, Path> paths_;
+  double unseen_m_ = 0;  // of any body
+  double unseen_rad_ = 0;
+  Spread energy_;
+  Chaos chaos_;
+  double most_turned_ = 0;
+  std::vector<PathPoint> path_;                   // of the error, each time it has grown by a hundredth
+  std::vector<std::vector<Estimate>> distances_;  // of the runs, at each time of the report
+  int next_report_ = first_report;
+};
+
+void read_names(const std::string& file, Answer& answer) {
+  std::ifstream in(file);
+  std::string kind;
+  std::uint32_t number = 0;
+  for (std::string name; in >> kind >> number && std::getline(in >> std::ws, name);) {
+    (kind == "body" ? answer.body_names : answer.joint_names)[number + 1] = name;
+  }
+}
+
+}  // namespace
+
+std::optional<Parting> parting(const std::filesystem::path& one, const std::filesystem::path& other) {
+  Recording a(one);
+  Recording b(other);
+  for (std::uint64_t step = 0;; ++step) {
+    const auto ours = a.next();
+    const auto theirs = b.next();
+    if (!ours && !theirs) return std::nullopt;
+    if (!ours || !theirs) return Parting{step, (ours ? ours : theirs)->frame.t, 0};
+    if (!same_bodies(*ours, *theirs)) return Parting{ours->frame.step, ours->frame.t, 0};
+    for (std::size_t i = 0; i < ours->bodies.size(); ++i) {
+      if (std::memcmp(&ours->bodies[i], &theirs->bodies[i], sizeof(BodySample)) == 0) continue;
+      return Parting{ours->frame.step, ours->frame.t, ours->bodies[i].body + 1};
+    }
+  }
+}
+
+void describe(const std::filesystem::path& unchanged, Answer& answer) {
+  Recording run(unchanged);
+  read_names(unchanged.string() + names_ending, answer);
+  if (const Head* head = run.head()) {
+    answer.messages = head->messages;
+    answer.first_message = head->first_message;
+  }
+  bool quick = false;
+  bool plain = false;
+  for (auto moment = run.next(); moment; moment = run.next()) {
+    const Frame& frame = moment->frame;
+    const double energy = frame.kinetic + frame.potential;
+    if (frame.step == 0) {
+      answer.energy.begin_J += energy;
+      continue;
+    }
+    if (answer.h_s == 0) answer.h_s = frame.h;
+    answer.h_varies = answer.h_varies || frame.h != answer.h_s;
+    (frame.quick != 0 ? quick : plain) = true;
+    answer.bodies = std::max(answer.bodies, frame.bodies);
+    answer.joints = std::max(answer.joints, frame.joints);
+    answer.contacts = std::max(answer.contacts, frame.contacts);
+    answer.depth_m = std::max(answer.depth_m, frame.depth);
+    answer.ode_s += frame.ode_s;
+    answer.energy.end_J = energy;
+    if (frame.gap > answer.gap.largest_m) answer.gap = {frame.gap, frame.t, frame.gap_joint + 1};
+  }
+  answer.stepper = quick && plain ? "dWorldStep and dWorldQuickStep" : quick ? "dWorldQuickStep" : "dWorldStep";
+}
+
+void each_step(const std::filesystem::path& record, const std::function<void(const StepRow&)>& take) {
+  Recording run(record);
+  for (auto moment = run.next(); moment; moment = run.next()) {
+    const Frame& frame = moment->frame;
+    take({frame.world + 1, frame.t, frame.kinetic, frame.potential, frame.gap, frame.contacts, frame.depth,
+          frame.messages});
+  }
+}
+
+void judge(const Records& records, Answer& answer) { Judge(records, answer).judge(); }
+
+}  // namespace odeval::audit

@@ -1,0 +1,157 @@
+// The functions of ODE that a program calls, in the place of ODE's own. Each does what ODE's does, by calling it.
+#include "audit/preload/own.hpp"
+#include "audit/preload/session.hpp"
+
+using odeval::audit::Session;
+using odeval::audit::Worlds;
+
+namespace {
+
+template <class... What>
+void follow(void (Worlds::*change)(What...), What... what) {
+  Session& session = Session::get();
+  if (session.follows()) (session.worlds().*change)(what...);
+}
+
+dJointID followed(dWorldID world, dJointID joint, dJointType type, dJointGroupID group) {
+  follow<dWorldID, dJointID, dJointType, dJointGroupID>(&Worlds::add, world, joint, type, group);
+  return joint;
+}
+
+void forget_geom(dGeomID geom) {
+  Session& session = Session::get();
+  if (session.follows()) session.collisions().forget(geom);
+}
+
+}  // namespace
+
+#define ODEVAL_JOINT(kind)                                                                         \
+  dJointID dJointCreate##kind(dWorldID world, dJointGroupID group) {                               \
+    return followed(world, ODEVAL_OWN(dJointCreate##kind)(world, group), dJointType##kind, group); \
+  }
+
+#pragma GCC visibility push(default)
+extern "C" {
+
+ODEVAL_JOINT(Ball)
+ODEVAL_JOINT(Hinge)
+ODEVAL_JOINT(Slider)
+ODEVAL_JOINT(Hinge2)
+ODEVAL_JOINT(PR)
+ODEVAL_JOINT(PU)
+ODEVAL_JOINT(Piston)
+ODEVAL_JOINT(Universal)
+ODEVAL_JOINT(Fixed)
+ODEVAL_JOINT(Null)
+ODEVAL_JOINT(AMotor)
+ODEVAL_JOINT(LMotor)
+ODEVAL_JOINT(Plane2D)
+ODEVAL_JOINT(DBall)
+ODEVAL_JOINT(DHinge)
+ODEVAL_JOINT(Transmission)
+
+dJointID dJointCreateContact(dWorldID world, dJointGroupID group, const dContact* contact) {
+  Session& session = Session::get();
+  if (!session.follows()) return ODEVAL_OWN(dJointCreateContact)(world, group, contact);
+  const dContact part = session.softened(world, *contact);
+  session.worlds().add_contact(world, part, group, session.in_callback());
+  return ODEVAL_OWN(dJointCreateContact)(world, group, &part);
+}
+
+void dJointDestroy(dJointID joint) {
+  if (joint != nullptr) follow<dJointID>(&Worlds::forget, joint);
+  ODEVAL_OWN(dJointDestroy)(joint);
+}
+
+void dJointGroupEmpty(dJointGroupID group) {
+  follow<dJointGroupID>(&Worlds::empty, group);
+  ODEVAL_OWN(dJointGroupEmpty)(group);
+}
+
+void dJointGroupDestroy(dJointGroupID group) {
+  follow<dJointGroupID>(&Worlds::forget, group);
+  ODEVAL_OWN(dJointGroupDestroy)(group);
+}
+
+dBodyID dBodyCreate(dWorldID world) {
+  dBodyID body = ODEVAL_OWN(dBodyCreate)(world);
+  follow<dWorldID, dBodyID>(&Worlds::add, world, body);
+  return body;
+}
+
+void dBodyDestroy(dBodyID body) {
+  if (body != nullptr) follow<dBodyID>(&Worlds::forget, body);
+  ODEVAL_OWN(dBodyDestroy)(body);
+}
+
+void dWorldDestroy(dWorldID world) {
+  ODEVAL_OWN(dWorldDestroy)(world);
+  follow<dWorldID>(&Worlds::forget, world);
+}
+
+int dWorldStep(dWorldID world, dReal h) {
+  return Session::get().step(world, h, ODEVAL_OWN(dWorldStep), false, __builtin_frame_address(0));
+}
+
+int dWorldQuickStep(dWorldID world, dReal h) {
+  return Session::get().step(world, h, ODEVAL_OWN(dWorldQuickStep), true, __builtin_frame_address(0));
+}
+
+void dSpaceCollide(dSpaceID space, void* data, dNearCallback* callback) {
+  Session::get().collide(reinterpret_cast<dGeomID>(space), nullptr, data, callback, [&] {
+    ODEVAL_OWN(dSpaceCollide)(space, data, callback);
+  });
+}
+
+void dSpaceCollide2(dGeomID first, dGeomID second, void* data, dNearCallback* callback) {
+  Session::get().collide(first, second, data, callback, [&] {
+    ODEVAL_OWN(dSpaceCollide2)(first, second, data, callback);
+  });
+}
+
+void dGeomDestroy(dGeomID geom) {
+  forget_geom(geom);
+  ODEVAL_OWN(dGeomDestroy)(geom);
+}
+
+void dSpaceDestroy(dSpaceID space) {
+  forget_geom(reinterpret_cast<dGeomID>(space));
+  ODEVAL_OWN(dSpaceDestroy)(space);
+}
+
+// Of odeval_name.h.
+void odeval_audit_name_body(dBodyID body, const char* name) {
+  Session& session = Session::get();
+  if (session.follows() && body != nullptr && name != nullptr) session.name(body, name);
+}
+
+void odeval_audit_name_joint(dJointID joint, const char* name) {
+  Session& session = Session::get();
+  if (session.follows() && joint != nullptr && name != nullptr) session.name(joint, name);
+}
+
+// The handlers that the program reads and writes are its own; ODE has this library's.
+void dSetMessageHandler(dMessageFunction* handler) {
+  Session& session = Session::get();
+  if (!session.follows()) return ODEVAL_OWN(dSetMessageHandler)(handler);
+  session.program_message = handler;
+}
+
+void dSetDebugHandler(dMessageFunction* handler) {
+  Session& session = Session::get();
+  if (!session.follows()) return ODEVAL_OWN(dSetDebugHandler)(handler);
+  session.program_debug = handler;
+}
+
+dMessageFunction* dGetMessageHandler() {
+  Session& session = Session::get();
+  return session.follows() ? session.program_message : ODEVAL_OWN(dGetMessageHandler)();
+}
+
+dMessageFunction* dGetDebugHandler() {
+  Session& session = Session::get();
+  return session.follows() ? session.program_debug : ODEVAL_OWN(dGetDebugHandler)();
+}
+
+}  // extern "C"
+#pragma GCC visibility pop

@@ -1,0 +1,32 @@
+#pragma once
+// Settings that an audit tries in the place of the program's own.
+#include <ode/ode.h>
+
+#include <map>
+#include <string>
+
+#include "audit/preload/worlds.hpp"
+
+namespace odeval::audit {
+
+class Overrides {
+ public:
+  using Stepper = int (*)(dWorldID, dReal);
+
+  /// "erp=0.8,stepper=quick", with the keys of environment::tries; others are left alone.
+  explicit Overrides(const std::string& text);
+
+  /// Before the first step of a world, of the length h.
+  void begin(World& world, dReal h, Stepper stepper) const;
+  /// Before each step, since the program may set what it likes in between.
+  void apply(World& world) const;
+  /// What takes the steps.
+  Stepper chosen(Stepper of_program) const;
+
+ private:
+  bool says(const char* key, const char* word) const;
+
+  std::map<std::string, std::string> values_;
+};
+
+}  // namespace odeval::audit

@@ -1,0 +1,69 @@
+#pragma once
+// What the library that is loaded beside a program writes, and what reads it: plain bytes of this machine.
+//
+// A record is one page with the Head, and then frames, one a step of the program and one before the first. It is
+// written through memory that is mapped from the file: what stands there when the program dies, by whatever signal, is
+// whole frames, `Head::committed` bytes of them.
+#include <cstddef>
+#include <cstdint>
+
+namespace odeval::audit {
+
+constexpr std::uint64_t record_magic = 0x31'54'49'44'55'41'4f'2eULL;
+constexpr std::size_t head_bytes = 4096;
+
+/// What a record is not, or not only.
+enum Remark : std::uint32_t {
+  single_precision = 1 << 0,   // the program's ODE, so that nothing was followed
+  several_threads = 1 << 1,    // stepped: the program was ended there
+  several_processes = 1 << 2,  // stepped: the record is of the first
+  no_room = 1 << 3,            // for more: the record is of the program's beginning
+  reached_until = 1 << 4,      // the simulated time asked for: the program was ended there
+  contacts_stayed = 1 << 5,    // over some steps, since what made them could not be called again
+  steps_in_vain = 1 << 6,      // dWorldStep returned 0
+};
+
+struct Head {
+  std::uint64_t magic;
+  std::uint64_t committed;  // bytes of whole frames behind the head
+  std::uint32_t remarks;    // of Remark
+  std::uint32_t refinement;
+  std::uint64_t messages;   // of ODE
+  char first_message[256];  // of ODE; empty: none
+  char last_words[256];     // of ODE before it aborts; empty: none
+};
+static_assert(sizeof(Head) <= head_bytes);
+
+struct Frame {
+  std::uint32_t bytes;     // of the frame with its bodies
+  std::uint32_t world;     // in order of creation, from 0
+  std::uint64_t step;      // of that world; 0 before the first
+  double t;                // s, after the step
+  double h;                // s
+  double kinetic;          // J
+  double potential;        // J
+  double gap;              // m, the largest of a joint
+  std::int32_t gap_joint;  // in order of creation, contacts not counted; -1: none
+  std::uint32_t quick;     // dWorldQuickStep
+  std::uint32_t bodies;
+  std::uint32_t joints;    // contacts not counted
+  std::uint32_t contacts;  // made for the step
+  std::uint32_t messages;  // of ODE in the step
+  double depth;            // m, the largest of those contacts
+  double ode_s;            // in the step, collision detection and contacts that were made anew within it included
+};
+
+struct BodySample {
+  std::uint32_t body;       // in order of creation, of all worlds
+  std::uint32_t kinematic;  // 1: its velocity is the program's
+  double position[3];
+  double quaternion[4];
+  double velocity[3];
+  double spin[3];
+};
+
+/// What the program calls its bodies and joints stands beside the record, in a file of this ending: a line each, "body"
+/// or "joint", its number and the name.
+constexpr const char* names_ending = ".names";
+
+}  // namespace odeval::audit

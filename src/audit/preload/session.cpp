@@ -1,0 +1,226 @@
+#include "audit/preload/session.hpp"
+
+#include <dlfcn.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <new>
+
+#include "audit/preload/own.hpp"
+#include "audit/preload/softness.hpp"
+
+namespace odeval::audit {
+namespace {
+
+void take_message(int, const char* text, std::va_list values) { Session::get().message(text, values); }
+void take_last_words(int, const char* text, std::va_list values) { Session::get().last_words(text, values); }
+
+void take_down(char* place, std::size_t size, const char* text, std::va_list values) {
+  std::va_list copy;
+  va_copy(copy, values);
+  std::vsnprintf(place, size, text, copy);
+  va_end(copy);
+}
+
+/// In any direction, another for each body.
+void move(const Body& body, double distance) {
+  const double turn = 2.4 * body.number;  // the golden angle: no two bodies go the same way
+  const double height = std::sin(1.7 * body.number + 0.6);
+  const double across = std::sqrt(1 - height * height);
+  const dReal* place = dBodyGetPosition(body.id);
+  dBodySetPosition(body.id, place[0] + distance * across * std::cos(turn),
+                   place[1] + distance * across * std::sin(turn), place[2] + distance * height);
+}
+
+/// A joint's feedback after a step is the mean over its parts.
+class Feedback {
+ public:
+  explicit Feedback(World& world) : world_(world) {
+    for (Joint& joint : world_.joints) joint.feedback = {};
+  }
+  void add() {
+    for (Joint& joint : world_.joints) {
+      if (const dJointFeedback* now = dJointGetFeedback(joint.id)) each(joint.feedback, *now, 1);
+    }
+    ++parts_;
+  }
+  void hand_over() const {
+    for (const Joint& joint : world_.joints) {
+      dJointFeedback* its = dJointGetFeedback(joint.id);
+      if (its == nullptr) continue;
+      *its = {};
+      each(*its, joint.feedback, dReal(1) / parts_);
+    }
+  }
+
+ private:
+  static void each(dJointFeedback& sum, const dJointFeedback& part, dReal weight) {
+    for (int i = 0; i < 3; ++i) {
+      sum.f1[i] += weight * part.f1[i];
+      sum.t1[i] += weight * part.t1[i];
+      sum.f2[i] += weight * part.f2[i];
+      sum.t2[i] += weight * part.t2[i];
+    }
+  }
+
+  World& world_;
+  int parts_ = 0;
+};
+
+}  // namespace
+
+void* behind(const char* name) {
+  void* found = ::dlsym(RTLD_NEXT, name);
+  if (found == nullptr) std::abort();  // the library is linked to ODE
+  return found;
+}
+
+double steady_s() {
+  timespec now{};
+  ::clock_gettime(CLOCK_MONOTONIC, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+// Never destroyed: the program's own destructors may call ODE after ours would have run.
+Session& Session::get() {
+  static Session* const session = new Session;
+  return *session;
+}
+
+Session::Session()
+    : settings_(read_settings()),
+      follows_(dCheckConfiguration("ODE_double_precision") != 0),
+      record_(settings_.record, settings_.most_bytes),
+      overrides_(settings_.set) {
+  if (!follows_) {
+    record_.remark(single_precision);
+    return;
+  }
+  ::pthread_atfork(nullptr, nullptr, [] { get().leave_to_parent(); });
+  ODEVAL_OWN(dSetMessageHandler)(take_message);
+  ODEVAL_OWN(dSetDebugHandler)(take_last_words);
+}
+
+void Session::message(const char* text, std::va_list values) {
+  ++messages_;
+  Head* head = record_.head();
+  if (head != nullptr && head->messages++ == 0)
+    take_down(head->first_message, sizeof head->first_message, text, values);
+  if (program_message != nullptr) program_message(0, text, values);
+}
+
+void Session::last_words(const char* text, std::va_list values) {
+  if (Head* head = record_.head()) take_down(head->last_words, sizeof head->last_words, text, values);
+  if (program_debug != nullptr) return program_debug(0, text, values);
+  std::vfprintf(stderr, text, values);
+  std::fputc('\n', stderr);
+}
+
+void Session::name(dBodyID body, const char* name) {
+  for (const Body& one : worlds_.of(dBodyGetWorld(body)).bodies) {
+    if (one.id == body) record_.name("body", one.number, name);
+  }
+}
+
+void Session::name(dJointID joint, const char* name) {
+  if (const Joint* its = worlds_.find(joint)) record_.name("joint", its->number, name);
+}
+
+dContact Session::softened(dWorldID world, const dContact& contact) const {
+  dContact part = contact;
+  if (settings_.refinement > 1 && settings_.hold_springs) {
+    soften(part.surface, {dWorldGetERP(world), dWorldGetCFM(world)}, settings_.refinement);
+  }
+  return part;
+}
+
+void Session::check_thread() {
+  if (!stepping_thread_) stepping_thread_ = ::pthread_self();
+  if (::pthread_equal(*stepping_thread_, ::pthread_self()) == 0) end(several_threads);
+}
+
+void Session::end(Remark why) {
+  record_.remark(why);
+  ::_exit(0);
+}
+
+void Session::first_step(World& world, dReal h, Stepper stepper, bool quick) {
+  if (Head* head = record_.head()) head->refinement = static_cast<std::uint32_t>(settings_.refinement);
+  if (settings_.move_m != 0) {
+    for (const Body& body : world.bodies) move(body, settings_.move_m);
+  }
+  overrides_.begin(world, h, stepper);
+  const auto& frame = sampler_.take(world, {.quick = quick});
+  record_.add(frame.data(), frame.size());
+}
+
+int Session::step(dWorldID id, dReal h, Stepper stepper, bool quick, const void* frame_of_step) {
+  if (!follows_) return stepper(id, h);
+  check_thread();
+  World& world = worlds_.of(id);
+  stepper = overrides_.chosen(stepper);
+  overrides_.apply(world);
+  if (world.steps == 0) first_step(world, h, stepper, quick);
+  const double begun_s = steady_s();
+  const int result = settings_.refinement > 1 ? parts(world, h, stepper, frame_of_step) : stepper(id, h);
+  if (result == 0) record_.remark(steps_in_vain);
+  ++world.steps;
+  world.t += h;
+  if (record_.head() != nullptr) {
+    const double ode_s = steady_s() - begun_s + collide_s_;
+    const auto& frame = sampler_.take(world, {.h = h, .quick = quick, .messages = messages_, .ode_s = ode_s});
+    record_.add(frame.data(), frame.size());
+  }
+  messages_ = 0;
+  collide_s_ = 0;
+  world.contacts = 0;
+  world.depth = 0;
+  collisions_.clear();
+  worlds_.age();
+  constexpr double rounding = 1e-9;  // of the sum of a million steps
+  if (settings_.until_s > 0 && world.t >= settings_.until_s * (1 - rounding)) end(reached_until);
+  return result;
+}
+
+int Session::parts(World& world, dReal h, Stepper stepper, const void* frame_of_step) {
+  const int k = settings_.refinement;
+  world.keep_forces();
+  Feedback feedback(world);
+  unsigned long seed = 0;
+  int result = 1;
+  for (int part = 0; part < k; ++part) {
+    if (part > 0) {
+      renew_contacts(world, frame_of_step);
+      world.put_forces_back();
+    }
+    std::optional<Softened> softened;
+    if (settings_.hold_springs) softened.emplace(world, k);
+    result = stepper(world.id, h / k) != 0 ? result : 0;
+    softened.reset();
+    feedback.add();
+    if (part == 0) seed = dRandGetSeed();
+  }
+  feedback.hand_over();
+  dRandSetSeed(seed);  // what the program draws next is what it would have drawn
+  return result;
+}
+
+void Session::renew_contacts(World& world, const void* frame_of_step) {
+  if (collisions_.empty()) return;
+  if (!settings_.renew_contacts) return;
+  if (!collisions_.can_be_repeated(frame_of_step) || !worlds_.empty_contacts()) return record_.remark(contacts_stayed);
+  ++collide_depth_;
+  try {
+    collisions_.repeat(world.id, worlds_.size() == 1);
+  } catch (...) {
+    --collide_depth_;
+    throw;
+  }
+  --collide_depth_;
+}
+
+}  // namespace odeval::audit

@@ -1,0 +1,94 @@
+#pragma once
+// All that the library knows of the program it is loaded beside.
+#include <ode/ode.h>
+#include <pthread.h>
+
+#include <cstdarg>
+#include <optional>
+
+#include "audit/preload/collisions.hpp"
+#include "audit/preload/overrides.hpp"
+#include "audit/preload/record.hpp"
+#include "audit/preload/sample.hpp"
+#include "audit/preload/settings.hpp"
+#include "audit/preload/worlds.hpp"
+
+namespace odeval::audit {
+
+class Session {
+ public:
+  using Stepper = int (*)(dWorldID, dReal);
+
+  /// The only one, from the first call of ODE on. It does not end before the process.
+  static Session& get();
+
+  /// Whether this is an ODE that the library knows.
+  bool follows() const { return follows_; }
+  Worlds& worlds() { return worlds_; }
+  Collisions& collisions() { return collisions_; }
+
+  /// One step of the program, of the length h that it asked for. Frames of the program's functions that have returned
+  /// were below `frame_of_step`.
+  int step(dWorldID world, dReal h, Stepper stepper, bool quick, const void* frame_of_step);
+
+  /// A collision detection of the program, which `act` does.
+  template <class Act>
+  void collide(dGeomID first, dGeomID second, void* data, dNearCallback* callback, const Act& act);
+
+  /// Whether what the program makes now is made in a callback that can be called again.
+  bool in_callback() const { return collide_depth_ > 0; }
+
+  /// A contact as the step's part wants it.
+  dContact softened(dWorldID world, const dContact& contact) const;
+
+  dMessageFunction* program_message = nullptr;  // its handlers; null: ODE's own
+  dMessageFunction* program_debug = nullptr;
+  void message(const char* text, std::va_list values);
+  void last_words(const char* text, std::va_list values);
+
+  void name(dBodyID body, const char* name);
+  void name(dJointID joint, const char* name);
+
+  void leave_to_parent() { record_.leave_to_parent(); }
+
+ private:
+  Session();
+  void first_step(World& world, dReal h, Stepper stepper, bool quick);
+  int parts(World& world, dReal h, Stepper stepper, const void* frame_of_step);
+  void renew_contacts(World& world, const void* frame_of_step);
+  void check_thread();
+  [[noreturn]] void end(Remark why);
+
+  Settings settings_;
+  bool follows_;
+  Record record_;
+  Overrides overrides_;
+  Worlds worlds_;
+  Collisions collisions_;
+  Sampler sampler_;
+  int collide_depth_ = 0;
+  double collide_s_ = 0;  // since the last step
+  std::uint32_t messages_ = 0;
+  std::optional<pthread_t> stepping_thread_;
+};
+
+double steady_s();
+
+template <class Act>
+void Session::collide(dGeomID first, dGeomID second, void* data, dNearCallback* callback, const Act& act) {
+  if (!follows_) return act();
+  // A callback may throw through this, and one of a nested space is called again by the outer one.
+  struct Depth {
+    Session& session;
+    double begun_s;
+    explicit Depth(Session& its) : session(its), begun_s(steady_s()) { ++session.collide_depth_; }
+    ~Depth() {
+      if (--session.collide_depth_ == 0) session.collide_s_ += steady_s() - begun_s;
+    }
+  };
+  if (collide_depth_ == 0) collisions_.add(first, second, data, callback);
+  const Depth depth(*this);
+  act();
+}
+
+}  // namespace odeval::audit

@@ -1,0 +1,94 @@
+#pragma once
+// The worlds of the program, their bodies and joints, as they come and go: ODE lists none of them.
+#include <ode/ode.h>
+
+#include <array>
+#include <cstdint>
+#include <list>
+#include <vector>
+
+namespace odeval::audit {
+
+using Triple = std::array<dReal, 4>;  // as ODE's vectors, the last unused
+
+/// One of a kind that ODE has changed for the length of a step, and what it was.
+struct Changed {
+  int parameter;
+  dReal before;
+};
+
+struct Body {
+  dBodyID id;
+  std::uint32_t number;  // in order of creation, of all worlds
+  Triple force{};        // what the program has added for the step
+  Triple torque{};
+  std::array<dReal, 2> damping{};  // linear, angular, and the steps until it is disabled, while they are changed
+  int steps_to_rest = 0;
+};
+
+struct Joint {
+  dJointID id;
+  std::uint32_t number;  // in order of creation, of all worlds
+  dJointType type;
+  dJointGroupID group;             // 0: none
+  bool seen = false;               // by `gap`
+  Triple offset{};                 // then: of the bodies, in the frame of the first
+  dJointFeedback feedback{};       // sum over the parts of a step
+  std::vector<Changed> changed{};  // parameters, while they are
+};
+
+struct World {
+  dWorldID id;
+  std::uint32_t number;
+  std::uint64_t steps = 0;
+  double t = 0;
+  std::vector<Body> bodies{};
+  std::vector<Joint> joints{};  // no contacts
+  std::uint32_t contacts = 0;   // made since the last step
+  dReal depth = 0;              // the largest of them
+
+  void keep_forces();
+  void put_forces_back();
+};
+
+/// Joints that the program empties together.
+struct Group {
+  dJointGroupID id;
+  long fresh = 0;  // contacts made since the last step, where what made them can be called again
+  long other = 0;  // joints
+};
+
+class Worlds {
+ public:
+  World& of(dWorldID id);  // which is followed from now on, if it was not
+  void forget(dWorldID id);
+
+  void add(dWorldID world, dBodyID body);
+  void forget(dBodyID body);
+
+  void add(dWorldID world, dJointID joint, dJointType type, dJointGroupID group);
+  void add_contact(dWorldID world, const dContact& contact, dJointGroupID group, bool renewable);
+  void forget(dJointID joint);
+  const Joint* find(dJointID joint) const;  // null where it is not followed
+  void empty(dJointGroupID group);
+  void forget(dJointGroupID group);
+
+  /// Empties the groups of contacts that can be made anew. False, and nothing is done, when there are others.
+  bool empty_contacts();
+  /// A step was taken: no contact is fresh any more.
+  void age();
+
+  std::size_t size() const { return worlds_.size(); }
+
+ private:
+  Group& of(dJointGroupID id);
+
+  std::list<World> worlds_;  // which stay where they are
+  std::vector<Group> groups_;
+  std::uint32_t worlds_made_ = 0;
+  std::uint32_t bodies_made_ = 0;
+  std::uint32_t joints_made_ = 0;
+  bool loose_ = false;  // contacts were made since the last step that are in no group
+};
+
+}  // namespace odeval::audit

@@ -1,0 +1,42 @@
+#pragma once
+// What a program left in its record, frame by frame.
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <span>
+
+#include "audit/preload/record_format.hpp"
+
+namespace odeval::audit {
+
+/// The file is mapped, and as much of it in memory as the system likes.
+class Recording {
+ public:
+  /// Throws MachineError where the file is there and cannot be read.
+  explicit Recording(const std::filesystem::path& file);
+  ~Recording();
+  Recording(Recording&& other) noexcept;
+  Recording(const Recording&) = delete;
+  Recording& operator=(const Recording&) = delete;
+
+  /// Null where the program made none: it has taken no step of ODE, or there was no room for the first bytes.
+  const Head* head() const;
+  bool has(Remark remark) const;
+  bool had_no_room() const { return begun_in_vain_ || has(no_room); }
+
+  struct Moment {
+    Frame frame;
+    std::span<const BodySample> bodies;
+  };
+  /// The next frame; nothing after the last, or where what follows is no frame.
+  std::optional<Moment> next();
+
+ private:
+  const std::byte* bytes_ = nullptr;
+  std::size_t size_ = 0;
+  std::size_t end_ = 0;  // of the frames
+  std::size_t at_ = 0;
+  bool begun_in_vain_ = false;  // the file is there, and nothing is in it
+};
+
+}  // namespace odeval::audit

@@ -1,0 +1,122 @@
+// odeval judge: a trace of one's own beside a scenario's reference, or beside the same run at half the step.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <map>
+
+#include "catalogue/foreign_trace.hpp"
+#include "cli/commands.hpp"
+#include "cli/flags.hpp"
+#include "cli/settings.hpp"
+#include "odeval/error.hpp"
+#include "output/number.hpp"
+#include "output/table.hpp"
+#include "output/trace_csv.hpp"
+#include "output/trace_judgement.hpp"
+
+namespace odeval::cli {
+namespace {
+
+struct Options {
+  std::string trace;
+  std::string scenario;
+  std::string against;
+  Settings settings;
+  bool json = false;
+};
+
+/// Distance of the rows, which must be even and begin at 0.
+double spacing(const Column& t, const std::string& name) {
+  if (t.size() < 2) throw UserError(name + ": must have a column t with two rows or more");
+  const double dt = t[1] - t[0];
+  for (std::size_t row = 0; row < t.size(); ++row) {
+    constexpr double rounding = 1e-6;  // of a spacing: files have as few digits as their writers like
+    if (dt > 0 && std::fabs(t[row] - static_cast<double>(row) * dt) <= rounding * dt * static_cast<double>(row + 1))
+      continue;
+    throw UserError(fmt::format("{}:{}: t = {} must be {}: times begin at 0 and go in even steps", name, row + 2,
+                                number_text(t[row]), number_text(static_cast<double>(row) * dt)));
+  }
+  return dt;
+}
+
+Trace read_trace(const std::string& file) {
+  const CsvColumns columns = read_csv(file);
+  for (const std::string& cell : columns.header) {
+    if (trace_column_of(cell) == nullptr)
+      std::cerr << "odeval: " << file << ": column '" << cell << "' is left out; no trace has it\n";
+  }
+  return trace_of(columns);
+}
+
+/// The whole run, and the times of errors within it.
+std::vector<double> times_within(double end) {
+  std::vector<double> times;
+  for (const double t : error_times) {
+    if (t < end) times.push_back(t);
+  }
+  times.push_back(end);
+  return times;
+}
+
+int beside_reference(const Options& options) {
+  Trace trace = read_trace(options.trace);
+  const double dt = spacing(trace.t, options.trace);
+  std::vector<Override> settings = options.settings.overrides();
+  refuse_searched(settings, std::array<std::string_view, 3>{"step", "duration", "sample"}, "the trace");
+  const double end = dt * static_cast<double>(trace.rows() - 1);
+  settings.push_back({"step", number_text(dt), options.trace});
+  settings.push_back({"sample", number_text(dt), options.trace});
+  settings.push_back({"duration", number_text(end), options.trace});
+  catalogue::Evaluator evaluator(read_scenario(scenario_file(options.scenario), settings, known_names()));
+  const SampleGrid& grid = evaluator.grid();
+  for (std::size_t row = 0; row < trace.rows(); ++row) trace.t[row] = grid.time(static_cast<long>(row));
+  catalogue::ForeignTrace foreign(std::move(trace), evaluator, options.trace);
+  std::vector<Metrics> metrics;
+  for (const double until : times_within(end)) metrics.push_back(foreign.measure(until));
+  std::cout << (options.json ? judgement_json(metrics) : judgement_table(metrics));
+  if (!options.json) std::cout << "\nreference  " << evaluator.reference().origin << '\n';
+  return 0;
+}
+
+int beside_half_the_step(const Options& options) {
+  const CsvColumns whole = read_csv(options.trace);
+  const CsvColumns half = read_csv(options.against);
+  const double dt = spacing(trace_of(whole).t, options.trace);
+  const double finer = spacing(trace_of(half).t, options.against);
+  const double ratio = dt / finer;
+  if (std::fabs(ratio - std::round(ratio)) > 1e-6 * ratio || ratio < 0.5) {
+    throw UserError(fmt::format("{}: has rows every {} s, which must be those of {} or a part of them, every {} s",
+                                options.against, number_text(finer), options.trace, number_text(dt)));
+  }
+  const auto every = static_cast<std::size_t>(std::lround(ratio));
+  const std::vector<TraceDifference> differences =
+      differences_of(whole, half, every, times_within(dt * static_cast<double>(whole.columns.front().size() - 1)));
+  if (differences.empty()) throw UserError(options.against + ": has no column of " + options.trace);
+  std::cout << (options.json ? differences_json(differences) : differences_table(differences));
+  return 0;
+}
+
+int judge(const Options& options) {
+  if (options.scenario.empty() == options.against.empty()) {
+    throw UserError("judge: give either --scenario or --against");
+  }
+  return options.against.empty() ? beside_reference(options) : beside_half_the_step(options);
+}
+
+}  // namespace
+
+Action attach_judge(Flags& flags) {
+  const auto options = std::make_shared<Options>();
+  flags.add_option("TRACE", options->trace, "a .csv file with a column t and any columns of a scenario's trace")
+      .required();
+  flags.add_option("--scenario", options->scenario, "whose motion it should be: a name ('odeval list') or a .toml file")
+      .type_name("SCENARIO");
+  flags.add_option("--against", options->against, "the same run at half the step").type_name("TRACE");
+  flags.add_flag("--json", options->json, "for programs");
+  options->settings.attach(flags);
+  return [options] { return judge(*options); };
+}
+
+}  // namespace odeval::cli

@@ -1,0 +1,324 @@
+#include "output/audit_answer.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "output/json_number.hpp"
+#include "output/number.hpp"
+#include "output/table.hpp"
+
+namespace odeval {
+namespace {
+
+using audit::Answer;
+using audit::Convergence;
+using audit::ErrorUntil;
+using audit::Estimate;
+using Json = nlohmann::ordered_json;
+
+// So that all is at most 25 lines.
+constexpr std::size_t most_rows = 5;  // of errors
+constexpr std::size_t most_limits = 3;
+constexpr std::size_t most_tried = 4;
+
+std::string count(std::uint64_t number, const char* one, const char* many) {
+  return fmt::format("{} {}", number, number == 1 ? one : many);
+}
+
+/// "body 2", or "body 2 (left foot)".
+std::string called(const char* kind, std::uint32_t number, const std::map<std::uint32_t, std::string>& names) {
+  const auto name = names.find(number);
+  return name == names.end() ? fmt::format("{} {}", kind, number)
+                             : fmt::format("{} {} ({})", kind, number, name->second);
+}
+
+std::string head_line(const Answer& answer) {
+  const audit::ProgramRun& run = answer.runs.front();
+  std::string line =
+      fmt::format("{}, h = {:.4g} s{}, {}, {:.4g} s; {}, {}; {}", answer.stepper, answer.h_s,
+                  answer.h_varies ? " at first" : "", count(run.steps, "step", "steps"), run.simulated_s,
+                  count(answer.bodies, "body", "bodies"), count(answer.joints, "joint", "joints"), run.end);
+  if (answer.runs.size() > 1) line += answer.parting ? "; does not repeat" : "; repeats to the bit";
+  return line;
+}
+
+const char* word(Convergence convergence) {
+  switch (convergence) {
+    case Convergence::settled:
+      return "settled";
+    case Convergence::rough:
+      return "rough";
+    case Convergence::none:
+      break;
+  }
+  return "none";
+}
+
+std::string error_cell(const Estimate& error) {
+  if (error.convergence == Convergence::none) return "no limit";
+  return with_uncertainty(error.value, error.uncertainty);
+}
+
+std::string errors_table(const Answer& answer) {
+  TextTable table("rrrrll", {"until t, s", "error, m", "turned, rad", "order", "", "largest"});
+  const std::size_t first = answer.error_at.size() - std::min(answer.error_at.size(), most_rows);
+  for (std::size_t i = first; i < answer.error_at.size(); ++i) {
+    const ErrorUntil& row = answer.error_at[i];
+    table.add({fmt::format("{:.4g}", row.t_s), error_cell(row.distance_m), error_cell(row.turn_rad),
+               row.order ? fmt::format("{:.2f}", *row.order) : "-", word(row.convergence()),
+               called("body", row.body, answer.body_names)});
+  }
+  return table.text();
+}
+
+std::string motion_line(const Answer& answer) {
+  if (!answer.lost_at_s) return "the same motion to the end";
+  return fmt::format("lost at {:.3g} s: the error is more than a tenth of how far bodies go or turn",
+                     *answer.lost_at_s);
+}
+
+std::string verdict_line(const Answer& answer) {
+  const auto bad = std::ranges::find_if(
+      answer.error_at, [](const ErrorUntil& row) { return row.convergence() != Convergence::settled; });
+  const bool lost_early = answer.lost_at_s && *answer.lost_at_s < answer.until_s;
+  if (bad == answer.error_at.end() && !lost_early) return "";
+  if (bad == answer.error_at.end() || (answer.lost_at_s && *answer.lost_at_s <= bad->t_s)) {
+    return fmt::format("h = {:.3g} s is too coarse for this motion from {:.3g} s on", answer.h_s, *answer.lost_at_s);
+  }
+  if (bad->convergence() == Convergence::rough) {
+    return fmt::format(
+        "until {:.3g} s the error is known to its size only: it does not yet fall in proportion to the step", bad->t_s);
+  }
+  return fmt::format("until {:.3g} s smaller steps do not bring the runs together: nothing is extrapolated there",
+                     bad->t_s);
+}
+
+std::string steps_line(const Answer& answer) {
+  std::vector<std::string> words;
+  for (const audit::StepFor& one : answer.steps_for) {
+    const std::string distance = one.distance_m < 9e-3 ? "1 mm" : one.distance_m < 9e-2 ? "1 cm" : "10 cm";
+    const std::string step = !one.h_s                 ? "smaller than was tried"
+                             : *one.h_s >= answer.h_s ? "this one"
+                                                      : fmt::format("{:.2g} s", *one.h_s);
+    words.push_back(fmt::format("{}: {}", distance, step));
+  }
+  return fmt::format("for an error until {:.3g} s of {}", answer.steps_for_t_s, fmt::join(words, ", of "));
+}
+
+/// The best of what was tried, beside the program's own.
+std::string tried_line(const Answer& answer) {
+  std::vector<const audit::Tried*> order;
+  for (const audit::Tried& one : answer.tried) {
+    if (!std::isnan(one.distance_m[answer.tried_at].value)) order.push_back(&one);
+  }
+  const auto error = [&](const audit::Tried* one) { return one->distance_m[answer.tried_at].value; };
+  std::ranges::stable_sort(order, {}, error);
+  std::vector<std::string> words;
+  for (std::size_t i = 0; i < std::min(order.size(), most_tried); ++i) {
+    words.push_back(fmt::format("{}: {:.3g} m", order[i]->set, error(order[i])));
+  }
+  if (words.empty()) return "";
+  return fmt::format("until {:.3g} s as it is: {:.3g} m, {}", answer.steps_for_t_s,
+                     answer.error_at[answer.tried_at].distance_m.value, fmt::join(words, ", "));
+}
+
+std::string softness_line(const Answer& answer) {
+  if (!answer.softness_m) return "";
+  const double own = answer.error_at[answer.tried_at].distance_m.value;
+  const double more = *answer.softness_m - answer.softness_of_step_m;
+  if (!(more > 0.1 * own) || !(more > 1e-6)) return "";  // m: that no one asks for
+  return fmt::format("counts: with ERP and CFM held as numbers a smaller step leads {:.2g} m elsewhere", more);
+}
+
+std::string answer_lines(const Answer& answer) {
+  std::string text;
+  const auto line = [&text](const char* name, const std::string& what) {
+    if (!what.empty()) text += fmt::format("{:<9}  {}\n", name, what);
+  };
+  const int finest = std::ranges::max_element(answer.runs, {}, &audit::ProgramRun::refinement)->refinement;
+  line("error", fmt::format("largest distance of a body from where it would be at a step of 0 (steps to h/{}, {} held)",
+                            finest, answer.springs_held ? "springs" : "numbers"));
+  line("motion", motion_line(answer));
+  line("verdict", verdict_line(answer));
+  line("step", steps_line(answer));
+  if (answer.growth) {
+    line("chaos", *answer.growth < 2
+                      ? "starts moved by 1e-10 m stay as close"
+                      : fmt::format("starts moved by 1e-10 m are {:.2g} times that apart at the end", *answer.growth));
+  }
+  line("softness", softness_line(answer));
+  line("settings", tried_line(answer));
+  line("energy", fmt::format("{:.4g} J at the start, {:.4g} J at the end, error {} J", answer.energy.begin_J,
+                             answer.energy.end_J, error_cell(answer.energy.error_J)));
+  if (answer.gap.joint > 0) {
+    line("joints", fmt::format("{} is the worst: {:.3g} m apart at {:.3g} s",
+                               called("joint", static_cast<std::uint32_t>(answer.gap.joint), answer.joint_names),
+                               answer.gap.largest_m, answer.gap.t_s));
+  }
+  if (answer.contacts > 0) {
+    line("contacts", fmt::format("{} at a time, {:.3g} m deep at most", answer.contacts, answer.depth_m));
+  }
+  return text;
+}
+
+Json json_of(const Estimate& error) {
+  return {{"value", json_number(error.value)},
+          {"uncertainty", json_number(error.uncertainty)},
+          {"convergence", word(error.convergence)}};
+}
+void add_turn(Json& row, const Estimate& turn) {
+  row["turn"] = json_number(turn.value);
+  row["turn_uncertainty"] = json_number(turn.uncertainty);
+  row["turn_convergence"] = word(turn.convergence);
+}
+Json json_of(const std::optional<double>& number) { return number ? json_number(*number) : Json(); }
+
+Json errors_json(const Answer& answer) {
+  Json list = Json::array();
+  for (const ErrorUntil& row : answer.error_at) {
+    Json one = {{"t", row.t_s}};
+    one.update(json_of(row.distance_m));
+    add_turn(one, row.turn_rad);
+    one["order"] = json_of(row.order);
+    one["body"] = row.body;
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
+Json bodies_json(const Answer& answer) {
+  Json list = Json::array();
+  for (const audit::BodyError& row : answer.error_of_body) {
+    Json one = {{"t", row.t_s}, {"body", row.body}};
+    one.update(json_of(row.distance_m));
+    add_turn(one, row.turn_rad);
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
+/// By number.
+Json names_json(const std::map<std::uint32_t, std::string>& names) {
+  Json object = Json::object();
+  for (const auto& [number, name] : names) object[std::to_string(number)] = name;
+  return object;
+}
+
+Json tried_json(const Answer& answer) {
+  Json list = Json::array();
+  for (const audit::Tried& tried : answer.tried) {
+    Json errors = Json::array();
+    for (std::size_t i = 0; i < tried.distance_m.size(); ++i) {
+      Json one = {{"t", answer.error_at[i].t_s}};
+      one.update(json_of(tried.distance_m[i]));
+      errors.push_back(std::move(one));
+    }
+    list.push_back({{"set", tried.set}, {"error_at", std::move(errors)}, {"cpu_ratio", json_number(tried.cost)}});
+  }
+  return list;
+}
+
+Json runs_json(const Answer& answer) {
+  Json list = Json::array();
+  for (const audit::ProgramRun& run : answer.runs) {
+    list.push_back({{"run", run.what},
+                    {"refinement", run.refinement},
+                    {"end", run.end},
+                    {"steps", run.steps},
+                    {"simulated_s", json_number(run.simulated_s)}});
+  }
+  return list;
+}
+
+}  // namespace
+
+std::string audit_text(const Answer& answer) {
+  std::string text = answer.program + "\n";
+  if (answer.bodies > 0) text += head_line(answer) + "\n";
+  if (answer.parting) {
+    const audit::Parting& parting = *answer.parting;
+    text += fmt::format(
+        "two unchanged runs part at step {}, t = {:.4g} s{}\n", parting.step, parting.t_s,
+        parting.body > 0 ? ", with " + called("body", parting.body, answer.body_names) : ", in what bodies there are");
+  }
+  if (!answer.reason.empty()) text += "no error can be told: " + answer.reason + "\n";
+  if (answer.reason.empty()) text += "\n" + errors_table(answer) + "\n" + answer_lines(answer);
+  if (answer.messages > 0) {
+    text += fmt::format("{:<9}  {}, the first: {}\n", "ODE says", count(answer.messages, "message", "messages"),
+                        answer.first_message);
+  }
+  for (std::size_t i = 0; i < std::min(answer.limits.size(), most_limits); ++i) {
+    text += fmt::format("{:<9}  {}\n", i == 0 ? "limits" : "", answer.limits[i]);
+  }
+  return text;
+}
+
+std::string audit_json(const Answer& answer) {
+  const audit::ProgramRun& own = answer.runs.front();
+  std::vector<int> refinements;
+  for (const audit::ProgramRun& run : answer.runs) {
+    if (refinements.empty() || run.refinement > refinements.back()) refinements.push_back(run.refinement);
+  }
+  Json json = {{"program", answer.program},
+               {"exit_status", own.exit_status ? Json(*own.exit_status) : Json()},
+               {"end", own.end},
+               {"repeatable", !answer.parting},
+               {"stepper", answer.stepper},
+               {"h", json_number(answer.h_s)},
+               {"h_varies", answer.h_varies},
+               {"steps", own.steps},
+               {"bodies", answer.bodies},
+               {"joints", answer.joints},
+               {"messages", answer.messages},
+               {"first_message", answer.first_message},
+               {"refinements", refinements},
+               {"hold", answer.springs_held ? "springs" : "numbers"},
+               {"reason", answer.reason.empty() ? Json() : Json(answer.reason)}};
+  if (answer.parting) {
+    json["parting"] = {{"step", answer.parting->step}, {"t", answer.parting->t_s}, {"body", answer.parting->body}};
+  }
+  const ErrorUntil* last = answer.error_at.empty() ? nullptr : &answer.error_at.back();
+  json["order"] = last != nullptr ? json_of(last->order) : Json();
+  json["convergence"] = last != nullptr ? Json(word(last->convergence())) : Json();
+  json["until"] = json_number(answer.until_s);
+  json["lost_at"] = json_of(answer.lost_at_s);
+  json["growth"] = json_of(answer.growth);
+  json["error_at"] = errors_json(answer);
+  json["error_of_body"] = bodies_json(answer);
+  Json steps = Json::array();
+  for (const audit::StepFor& one : answer.steps_for) {
+    steps.push_back({{"error", one.distance_m}, {"until", answer.steps_for_t_s}, {"h", json_of(one.h_s)}});
+  }
+  json["step_for"] = std::move(steps);
+  json["settings"] = tried_json(answer);
+  json["softness"] = json_of(answer.softness_m);
+  json["energy"] = {{"begin", json_number(answer.energy.begin_J)},
+                    {"end", json_number(answer.energy.end_J)},
+                    {"error", json_of(answer.energy.error_J)}};
+  json["worst"] = {{"body", last != nullptr ? Json(last->body) : Json()},
+                   {"joint", answer.gap.joint > 0 ? Json(answer.gap.joint) : Json()},
+                   {"gap", json_number(answer.gap.largest_m)},
+                   {"contacts", answer.contacts},
+                   {"depth", json_number(answer.depth_m)}};
+  json["body_names"] = names_json(answer.body_names);
+  json["joint_names"] = names_json(answer.joint_names);
+  json["runs"] = runs_json(answer);
+  json["limits"] = answer.limits;
+  return json.dump(2) + "\n";
+}
+
+AuditSteps::AuditSteps(const std::filesystem::path& file) : file_(file) {
+  file_.write("world,t,kinetic,potential,energy,gap,contacts,depth,messages\n");
+}
+
+void AuditSteps::add(const audit::StepRow& row) {
+  file_.write(fmt::format("{},{},{},{},{},{},{},{},{}\n", row.world, number_text(row.t_s), number_text(row.kinetic_J),
+                          number_text(row.potential_J), number_text(row.kinetic_J + row.potential_J),
+                          number_text(row.gap_m), row.contacts, number_text(row.depth_m), row.messages));
+}
+
+}  // namespace odeval

@@ -1,0 +1,91 @@
+// Values at several steps, whose limit is known.
+#include "audit/extrapolation.hpp"
+
+#include <cmath>
+
+#include "tests/check.hpp"
+
+namespace {
+
+using namespace odeval::audit;
+using odeval::test::verdict;
+
+/// One value at h/k for each k, once.
+template <class Value>
+Spread spread_of(const std::vector<int>& refinements, const Value& value) {
+  Spread spread(refinements);
+  std::vector<double> values;
+  for (const int k : refinements) values.push_back(value(1.0 / k));
+  spread.add(values.data(), 1, 1);
+  return spread;
+}
+
+void smooth_values_settle() {
+  // 5 + 0.1 h + 0.02 h^2 + 0.003 h^3: the best of degree 2 leaves 0.003 / 64 of the cube.
+  const Spread first = spread_of({1, 2, 4, 8}, [](double h) { return 5 + h * (0.1 + h * (0.02 + h * 0.003)); });
+  CHECK_NEAR(first.error(0).value, 0.123, first.error(0).uncertainty);
+  CHECK_BETWEEN(first.error(0).uncertainty, 1e-6, 1e-3);
+  CHECK(first.error(0).convergence == Convergence::settled);
+  CHECK_BETWEEN(first.order().value(), 1, 1.2);  // the square has its part
+
+  const Spread second = spread_of({1, 2, 4, 8}, [](double h) { return 5 + 0.1 * h * h; });
+  CHECK_NEAR(second.order().value(), 2, 1e-9);
+  CHECK_NEAR(second.error(0).value, 0.1, 1e-12);
+
+  // Steps in no ratio.
+  const Spread odd = spread_of({1, 2, 3, 5}, [](double h) { return 5 + h * (0.1 + h * 0.02); });
+  CHECK_NEAR(odd.error(0).value, 0.12, 1e-12);
+}
+
+void the_error_of_each_run() {
+  const Spread spread = spread_of({1, 2, 4, 8}, [](double h) { return 0.1 * h; });
+  CHECK_NEAR(spread.error(1).value, 0.05, 1e-12);
+  CHECK_NEAR(spread.error(3).value, 0.0125, 1e-12);
+}
+
+// As an impact that falls anywhere in a step leaves it: h times something between 0 and 1, another at each step. In the
+// first part of a step all runs have it between the same two grid points, and agree on a limit that is off by its place
+// there, up to an eighth: the judge adds that. With it every place is covered, and without it five in eight.
+void jagged_values_are_covered() {
+  int covered = 0;
+  int without = 0;
+  const int cases = 1000;
+  for (int i = 0; i < cases; ++i) {
+    const double place = std::fmod(0.618033988749895 * i, 1.0);
+    const Spread spread = spread_of({1, 2, 4, 8}, [&](double h) { return h * (1 - std::fmod(place / h, 1.0)); });
+    const Estimate error = spread.error(0);
+    const double off = std::fabs(error.value - (1 - place));
+    if (off <= error.uncertainty + 1.0 / 8) ++covered;
+    if (off <= error.uncertainty) ++without;
+  }
+  CHECK_EQUAL(covered, cases);
+  CHECK_BETWEEN(without / double{cases}, 0.6, 0.65);
+}
+
+void what_moves_apart_has_no_limit() {
+  const Spread apart = spread_of({1, 2, 4, 8}, [](double h) { return 0.1 / h; });
+  CHECK(apart.error(0).convergence == Convergence::none);
+  CHECK_BETWEEN(apart.order().value(), -1.1, -0.9);
+  const Spread chaos = spread_of({1, 2, 4, 8}, [](double h) { return std::sin(1e3 / h); });
+  CHECK(chaos.error(0).convergence != Convergence::settled);
+  const Spread broken = spread_of({1, 2, 4, 8}, [](double h) { return h < 0.2 ? NAN : 1.0; });
+  CHECK(broken.error(0).convergence == Convergence::none);
+}
+
+void what_is_the_same_is_settled() {
+  const Spread same = spread_of({1, 2, 4, 8}, [](double) { return 3.0; });
+  CHECK_EQUAL(same.error(0).value, 0.0);
+  CHECK(!same.order());
+  CHECK(same.error(0).convergence == Convergence::settled);
+}
+
+}  // namespace
+
+int main() {
+  smooth_values_settle();
+  the_error_of_each_run();
+  jagged_values_are_covered();
+  what_moves_apart_has_no_limit();
+  what_is_the_same_is_settled();
+  return verdict();
+}

@@ -1,0 +1,183 @@
+// A ball that bounces, in a program with something wrong with it.
+//
+//   faulty FAULT [STEPS]
+#include <ode/ode.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+#include "audit/odeval_name.h"
+
+namespace {
+
+dWorldID world;
+dSpaceID space;
+dJointGroupID contacts;
+dBodyID ball;
+dGeomID ball_geom;
+std::string fault;
+long steps = 1000;
+long now = 0;
+
+bool is(const char* name) { return fault == name; }
+
+void near(void* data, dGeomID one, dGeomID other) {
+  dContact contact[4]{};
+  const int found = dCollide(one, other, 4, &contact[0].geom, sizeof(dContact));
+  if (is("throws") && found > 0) throw std::runtime_error("a touch");
+  if (data != nullptr && *static_cast<const int*>(data) != 17) std::abort();
+  for (int i = 0; i < found; ++i) {
+    contact[i].surface.mode = dContactBounce;
+    contact[i].surface.bounce = 0.5;
+    dJointAttach(dJointCreateContact(world, contacts, &contact[i]), dGeomGetBody(one), dGeomGetBody(other));
+  }
+}
+
+void collide() {
+  const int on_the_stack = 17;  // gone when this returns
+  void* const data = is("stack") ? const_cast<int*>(&on_the_stack) : nullptr;
+  try {
+    dSpaceCollide(space, data, near);
+  } catch (const std::runtime_error&) {
+  }
+}
+
+void step() {
+  collide();
+  dWorldStep(world, 0.001);
+  dJointGroupEmpty(contacts);
+  ++now;
+}
+
+void make() {
+  dInitODE2(0);
+  world = dWorldCreate();
+  space = dHashSpaceCreate(nullptr);
+  contacts = dJointGroupCreate(0);
+  dWorldSetGravity(world, 0, 0, -9.81);
+  dCreatePlane(space, 0, 0, 1, 0);
+  ball = dBodyCreate(world);
+  dMass mass;
+  dMassSetSphereTotal(&mass, 1, 0.1);
+  dBodySetMass(ball, &mass);
+  dBodySetPosition(ball, 0, 0, 0.3);
+  ball_geom = dCreateSphere(space, 0.1);
+  dGeomSetBody(ball_geom, ball);
+  if (is("named")) odeval_name(ball, "the ball");
+}
+
+void shout() {
+  for (int i = 0; i < 1000000; ++i) std::printf("a line of a thousand %0980d\n", i);
+}
+
+/// What goes wrong half way.
+void go_wrong() {
+  if (is("segv")) std::raise(SIGSEGV);
+  if (is("kill")) std::raise(SIGKILL);
+  if (is("abort")) std::abort();
+  if (is("ode-abort")) dWorldStep(world, 0);
+  if (is("ode-message")) dMessage(0, "something is odd with %d", 17);
+  if (is("exit3")) std::exit(3);
+  if (is("quick-exit")) ::_exit(4);
+  if (is("nan")) dBodyAddForce(ball, dReal(0) / dReal(0), 0, 0);
+  if (is("hang")) {
+    for (;;) ::pause();
+  }
+  if (is("busy")) {
+    for (volatile bool on = true; on;) {
+    }
+  }
+  if (is("close")) {
+    for (int descriptor = 0; descriptor < 1024; ++descriptor) ::close(descriptor);
+    if (std::fopen("/dev/null", "w") == nullptr) std::abort();  // takes the lowest of them
+  }
+  if (is("shout")) shout();
+  if (is("complain")) {
+    for (int i = 0; i < 200000; ++i) std::fprintf(stderr, "complaint %d\n", i);
+  }
+  if (is("fork-child-steps")) {
+    const pid_t child = ::fork();
+    for (int i = 0; child == 0 && i < 100; ++i) step();
+    if (child == 0) ::_exit(0);
+    ::waitpid(child, nullptr, 0);
+  }
+  if (is("fork-parent-waits")) {
+    const pid_t child = ::fork();
+    if (child != 0) {
+      int status = 0;
+      ::waitpid(child, &status, 0);
+      ::_exit(WEXITSTATUS(status));
+    }
+  }
+  if (is("daemon") && ::fork() == 0) {
+    for (;;) ::pause();
+  }
+  if (is("thread")) std::thread(step).join();
+  if (is("new-body")) {
+    dBodyID more = dBodyCreate(world);
+    dBodySetPosition(more, 1, 0, 5);
+  }
+  if (is("destroy-body")) {
+    dGeomDestroy(ball_geom);
+    dBodyDestroy(ball);
+  }
+  if (is("destroy-geom-after-collide")) {
+    collide();
+    dGeomDestroy(ball_geom);
+  }
+  if (is("destroy-world")) {
+    dJointGroupEmpty(contacts);
+    dSpaceDestroy(space);
+    dWorldDestroy(world);
+    make();
+  }
+  if (is("chdir") && ::chdir("/") != 0) std::abort();
+  if (is("environment")) ::clearenv();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc > 1) fault = argv[1];
+  if (argc > 2) steps = std::atol(argv[2]);
+  if (is("nothing")) return 0;
+  if (is("no-file")) {
+    const rlimit none{0, 0};
+    ::setrlimit(RLIMIT_FSIZE, &none);
+  }
+  if (is("exec")) {
+    ::setenv("ONCE", "1", 1);
+    ::execl("/proc/self/exe", "faulty", "none", "1000", nullptr);
+  }
+  make();
+  if (is("no-step")) return 0;
+  if (is("random")) {
+    timespec time{};
+    ::clock_gettime(CLOCK_MONOTONIC, &time);
+    dBodySetLinearVel(ball, 1e-6 * static_cast<double>(time.tv_nsec % 1000003), 0, 0);
+  }
+  if (is("fork-at-once")) {
+    const pid_t child = ::fork();
+    if (child != 0) {
+      int status = 0;
+      ::waitpid(child, &status, 0);
+      return WEXITSTATUS(status);
+    }
+  }
+  const double coarse = is("coarse") ? 0.05 : 0;
+  while (is("for-ever") || now < steps) {
+    if (now == steps / 2) go_wrong();
+    if (coarse > 0) dWorldStep(world, coarse);
+    step();
+  }
+  return 0;
+}

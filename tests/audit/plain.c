@@ -1,0 +1,239 @@
+/* Programs as users of ODE write them: some of the project's scenarios, with nothing of the project in them.
+ *
+ *   plain SCENARIO H SECONDS [POSES]
+ *
+ * POSES gets a line a step and body, position and quaternion in hexadecimal. */
+#include <ode/ode.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { most_bodies = 64 };
+
+static dWorldID world;
+static dSpaceID space;
+static dJointGroupID contacts;
+static dBodyID bodies[most_bodies];
+static int count;
+static double h;
+static double bounce, friction;
+static int soft;
+static void (*control)(void);
+
+static dBodyID add(double x, double y, double z) {
+  dBodyID body = dBodyCreate(world);
+  dBodySetPosition(body, x, y, z);
+  bodies[count++] = body;
+  return body;
+}
+
+static void make_box(dBodyID body, double mass, double x, double y, double z) {
+  dMass m;
+  dMassSetBoxTotal(&m, mass, x, y, z);
+  dBodySetMass(body, &m);
+  dGeomSetBody(dCreateBox(space, x, y, z), body);
+}
+
+static void make_ball(dBodyID body, double mass, double radius) {
+  dMass m;
+  dMassSetSphereTotal(&m, mass, radius);
+  dBodySetMass(body, &m);
+  dGeomSetBody(dCreateSphere(space, radius), body);
+}
+
+/* Links of 1 m and 1 kg in the y-z plane, hinged at (0, 0, 2.1); the first at 45 degrees, the others level. */
+static void links(int n) {
+  double y = 0, z = 2.1;
+  dBodyID before = 0;
+  for (int i = 0; i < n; ++i) {
+    double angle = i == 0 ? M_PI / 4 : 0;
+    dMatrix3 turn;
+    dBodyID link = add(0, y + cos(angle) / 2, z + sin(angle) / 2);
+    dRFromAxisAndAngle(turn, 1, 0, 0, angle);
+    dBodySetRotation(link, turn);
+    make_box(link, 1, 0.1, 1, 0.1);
+    dJointID hinge = dJointCreateHinge(world, 0);
+    dJointAttach(hinge, link, before);
+    dJointSetHingeAnchor(hinge, 0, y, z);
+    dJointSetHingeAxis(hinge, 1, 0, 0);
+    y += cos(angle);
+    z += sin(angle);
+    before = link;
+  }
+}
+
+static void double_pendulum(void) { links(2); }
+static void chain(void) { links(10); }
+
+/* A link that swings down from the horizontal against a wall. */
+static void wall_pendulum(void) {
+  bounce = 1;
+  dWorldSetGravity(world, 0, 0, -9.8);
+  make_box(add(1.5, 0, 3), 1, 1, 0.1, 0.1);
+  dJointID hinge = dJointCreateHinge(world, 0);
+  dJointAttach(hinge, bodies[0], 0);
+  dJointSetHingeAnchor(hinge, 1, 0, 3);
+  dJointSetHingeAxis(hinge, 0, 1, 0);
+  dGeomSetPosition(dCreateBox(space, 1.8, 2, 6), 0, 0, 3);
+}
+
+static void free_box(void) {
+  dWorldSetGravity(world, 0, 0, -9.8);
+  make_box(add(0, 0, 0), 10, 0.1, 0.4, 0.9);
+  dBodySetLinearVel(bodies[0], -2, 2, 8);
+  dBodySetAngularVel(bodies[0], 0.1, 5, 0.1);
+}
+
+static void bouncing_ball(void) {
+  bounce = 0.7;
+  dCreatePlane(space, 0, 0, 1, 0);
+  make_ball(add(0, 0, 1.1), 1, 0.1);
+}
+
+static void friction_slide(void) {
+  friction = 0.3;
+  dCreatePlane(space, 0, 0, 1, 0);
+  make_box(add(0, 0, 0.05), 2, 0.4, 0.4, 0.1);
+  dBodySetLinearVel(bodies[0], 2, 0, 0);
+}
+
+/* A weight of 1 kg that a motor of at most 15 N lifts at 0.5 m/s, from rest. */
+static void motor(void) {
+  make_box(add(0, 0, 1), 1, 0.1, 0.1, 0.1);
+  dJointID slider = dJointCreateSlider(world, 0);
+  dJointAttach(slider, bodies[0], 0);
+  dJointSetSliderAxis(slider, 0, 0, 1);
+  dJointSetSliderParam(slider, dParamVel, 0.5);
+  dJointSetSliderParam(slider, dParamFMax, 15);
+}
+
+/* Springs of 1000 N/m and 20 N s/m, as ERP and CFM at this step. */
+static double erp(void) { return h * 1000 / (h * 1000 + 20); }
+static double cfm(void) { return 1 / (h * 1000 + 20); }
+
+/* A ball joint that is 0.1 m open. */
+static void spring(void) {
+  dWorldSetERP(world, erp());
+  dWorldSetCFM(world, cfm());
+  make_box(add(0, 0, 1), 1, 0.1, 0.1, 0.1);
+  dJointID ball = dJointCreateBall(world, 0);
+  dJointAttach(ball, bodies[0], 0);
+  dJointSetBallAnchor(ball, 0, 0, 1);
+  dBodySetPosition(bodies[0], 0.1, 0, 1);
+}
+
+/* A slider that falls on its stop. */
+static void soft_stop(void) {
+  make_box(add(0, 0, 1), 1, 0.1, 0.1, 0.1);
+  dJointID slider = dJointCreateSlider(world, 0);
+  dJointAttach(slider, bodies[0], 0);
+  dJointSetSliderAxis(slider, 0, 0, 1);
+  dJointSetSliderParam(slider, dParamLoStop, -0.1);
+  dJointSetSliderParam(slider, dParamHiStop, 10);
+  dJointSetSliderParam(slider, dParamStopERP, erp());
+  dJointSetSliderParam(slider, dParamStopCFM, cfm());
+}
+
+/* A ball on soft ground. */
+static void soft_contact(void) {
+  soft = 1;
+  dCreatePlane(space, 0, 0, 1, 0);
+  make_ball(add(0, 0, 0.2), 1, 0.1);
+}
+
+/* A ball that keeps exp(-t) of its velocity, on which the weight acts. */
+static void damped(void) {
+  dWorldSetLinearDamping(world, 1 - exp(-h));
+  dWorldSetLinearDampingThreshold(world, 0);
+  make_ball(add(0, 0, 10), 1, 0.1);
+  dBodySetLinearVel(bodies[0], 1, 0, 0);
+}
+
+static dJointID elbow;
+static void hold_the_arm(void) {
+  dJointAddHingeTorque(elbow, -20 * dJointGetHingeAngle(elbow) - 2 * dJointGetHingeAngleRate(elbow));
+}
+
+/* The first link of the pendulums with a controller at its hinge. */
+static void arm(void) {
+  links(1);
+  elbow = dBodyGetJoint(bodies[0], 0);
+  control = hold_the_arm;
+}
+
+static void near(void* data, dGeomID one, dGeomID other) {
+  (void)data;
+  dContact contact[8];
+  memset(contact, 0, sizeof contact);
+  int found = dCollide(one, other, 8, &contact[0].geom, sizeof(dContact));
+  for (int i = 0; i < found; ++i) {
+    contact[i].surface.mode = dContactBounce | dContactApprox1;
+    contact[i].surface.bounce = bounce;
+    contact[i].surface.mu = friction;
+    if (soft) {
+      contact[i].surface.mode = dContactSoftERP | dContactSoftCFM;
+      contact[i].surface.soft_erp = erp();
+      contact[i].surface.soft_cfm = cfm();
+    }
+    dJointAttach(dJointCreateContact(world, contacts, &contact[i]), dGeomGetBody(one), dGeomGetBody(other));
+  }
+}
+
+static const struct {
+  const char* name;
+  void (*make)(void);
+  int touches;
+} scenarios[] = {
+    {"double_pendulum", double_pendulum, 0},
+    {"chain", chain, 0},
+    {"free_box", free_box, 0},
+    {"bouncing_ball", bouncing_ball, 1},
+    {"friction_slide", friction_slide, 1},
+    {"wall_pendulum", wall_pendulum, 1},
+    {"motor", motor, 0},
+    {"arm", arm, 0},
+    {"spring", spring, 0},
+    {"soft_stop", soft_stop, 0},
+    {"soft_contact", soft_contact, 1},
+    {"damped", damped, 0},
+};
+
+static void write_poses(FILE* poses) {
+  for (int i = 0; i < count; ++i) {
+    const dReal* p = dBodyGetPosition(bodies[i]);
+    const dReal* q = dBodyGetQuaternion(bodies[i]);
+    fprintf(poses, "%a %a %a %a %a %a %a\n", p[0], p[1], p[2], q[0], q[1], q[2], q[3]);
+  }
+}
+
+int main(int argc, char** argv) {
+  const unsigned known = sizeof scenarios / sizeof scenarios[0];
+  unsigned which = 0;
+  while (argc >= 4 && which < known && strcmp(scenarios[which].name, argv[1]) != 0) ++which;
+  if (argc < 4 || which == known) {
+    fprintf(stderr, "usage: plain SCENARIO H SECONDS [POSES]\n");
+    return 2;
+  }
+  h = atof(argv[2]);
+  dInitODE2(0);
+  world = dWorldCreate();
+  space = dHashSpaceCreate(0);
+  contacts = dJointGroupCreate(0);
+  dWorldSetGravity(world, 0, 0, -9.81);
+  scenarios[which].make();
+  FILE* poses = argc > 4 ? fopen(argv[4], "w") : 0;
+  const long steps = lround(atof(argv[3]) / h);
+  for (long i = 0; i < steps; ++i) {
+    if (control) control();
+    if (scenarios[which].touches) dSpaceCollide(space, 0, near);
+    dWorldStep(world, h);
+    dJointGroupEmpty(contacts);
+    if (poses) write_poses(poses);
+  }
+  if (poses) fclose(poses);
+  dJointGroupDestroy(contacts);
+  dSpaceDestroy(space);
+  dWorldDestroy(world);
+  dCloseODE();
+  return 0;
+}
