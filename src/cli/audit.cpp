@@ -83,13 +83,30 @@ struct Run {
 
 class Audit {
  public:
-  explicit Audit(const Options& options) : options_(options), progress_(0, options.quiet || options.json) {
+  explicit Audit(const Options& options) : options_(options) {
     for (const std::string& word : options.refine) refinements_.push_back(std::stoi(word));
     until_s_ = options.until_s;
   }
 
   /// Fills the answer. Returns 0, or the signal that ended it.
   int run(Answer& answer) {
+    progress_.emplace(0, options_.quiet || options_.json);
+    const int signal = run_all(answer);
+    progress_.reset();  // its line makes room for what is said
+    return signal;
+  }
+
+  void write(const Answer& answer) const {
+    const fs::path folder = fs::path(options_.out) / "audit";
+    make_folder(folder);
+    AuditSteps steps(folder / "steps.csv");
+    audit::each_step(scratch_.record(0), [&](const audit::StepRow& row) { steps.add(row); });
+    steps.finish();
+    write_whole(folder / "answer.json", audit_json(answer));
+  }
+
+ private:
+  int run_all(Answer& answer) {
     answer.program = fmt::format("{}", fmt::join(options_.program, " "));
     answer.springs_held = options_.hold == "springs";
     runs_ = {Run{}, Run{}};
@@ -113,16 +130,6 @@ class Audit {
     return 0;
   }
 
-  void write(const Answer& answer) const {
-    const fs::path folder = fs::path(options_.out) / "audit";
-    make_folder(folder);
-    AuditSteps steps(folder / "steps.csv");
-    audit::each_step(scratch_.record(0), [&](const audit::StepRow& row) { steps.add(row); });
-    steps.finish();
-    write_whole(folder / "answer.json", audit_json(answer));
-  }
-
- private:
   run::Program program(std::size_t number) const {
     namespace environment = audit::environment;
     const Run& run = runs_[number];
@@ -159,7 +166,7 @@ class Audit {
       if (result.kind == run::Result::Kind::refused) throw UserError(result.text);
       if (result.kind != run::Result::Kind::done) throw MachineError(options_.program.front() + ": " + result.text);
       runs_[static_cast<std::size_t>(job)].end = run::unpacked(result.text);
-      progress_.show(
+      progress_->show(
           fmt::format("[{}/{}] {}", ++done_, runs_.size(), description(runs_[static_cast<std::size_t>(job)])));
     };
     return run::run_pool(work, plan, take, {.processes = options_.jobs, .passed = {}});
@@ -295,7 +302,7 @@ class Audit {
   }
 
   const Options& options_;
-  Progress progress_;
+  std::optional<Progress> progress_;  // while runs are under way
   Scratch scratch_;
   std::vector<int> refinements_;
   double until_s_ = 0;
