@@ -3,6 +3,7 @@
 #include <Simbody.h>
 
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <variant>
 
@@ -91,14 +92,19 @@ struct SimbodyTree::System {
   SimTK::MultibodySystem all;
   SimTK::SimbodyMatterSubsystem matter{all};
   SimTK::GeneralForceSubsystem loads{all};
-  std::vector<SimTK::MobilizedBody> bodies;  // by their numbers in the mechanism
+  std::optional<SimTK::Force::DiscreteForces> pushes;  // where anything pushes
+  std::vector<SimTK::MobilizedBody> bodies;            // by their numbers in the mechanism
   SimTK::State state;
+  SimTK::Vector pushed;  // the same forces, by speeds
   SimTK::Vector_<SimTK::SpatialVec> reactions;
 
   System(Mechanism of, std::vector<Branch> order, double pull)
       : mechanism(std::move(of)), tree(std::move(order)), gravity(pull), bodies(mechanism.bodies.size()) {
     if (gravity != 0) SimTK::Force::Gravity(loads, matter, SimTK::Vec3(0, 0, -gravity));
     for (const Branch& branch : tree) add(branch);
+    for (const Joint& joint : mechanism.joints) {
+      if (joint.driven() && !pushes) pushes.emplace(loads, matter);
+    }
     all.realizeTopology();
     state = all.getDefaultState();
     for (const Branch& branch : tree) {
@@ -106,6 +112,7 @@ struct SimbodyTree::System {
     }
     all.realize(state, SimTK::Stage::Position);
     for (const Branch& branch : tree) set_speed(branch);
+    pushed = SimTK::Vector(matter.getNumMobilities(), 0.0);
   }
 
   void realize(const double* y, SimTK::Stage stage) {
@@ -176,6 +183,31 @@ std::string SimbodyTree::version() {
   return std::to_string(major) + "." + std::to_string(minor);
 }
 
+std::size_t SimbodyTree::place_of_coordinate(std::size_t body) const {
+  return static_cast<std::size_t>(int(system_->bodies[body].getFirstQIndex(system_->state)));
+}
+
+std::size_t SimbodyTree::first_speed() const { return static_cast<std::size_t>(system_->state.getNQ()); }
+
+std::size_t SimbodyTree::place_of_speed(std::size_t body) const {
+  return first_speed() + static_cast<std::size_t>(int(system_->bodies[body].getFirstUIndex(system_->state)));
+}
+
+void SimbodyTree::push(std::size_t body, double force) {
+  system_->pushes->setOneMobilityForce(system_->state, system_->bodies[body], SimTK::MobilizerUIndex(0), force);
+  system_->pushed[int(system_->bodies[body].getFirstUIndex(system_->state))] = force;
+}
+
+const std::vector<double>& SimbodyTree::kick(const double* y, std::size_t body) {
+  system_->realize(y, SimTK::Stage::Position);
+  SimTK::Vector impulse(system_->matter.getNumMobilities(), 0.0);
+  impulse[int(system_->bodies[body].getFirstUIndex(system_->state))] = 1;
+  SimTK::Vector gained;
+  system_->matter.multiplyByMInv(system_->state, impulse, gained);
+  kick_ = numbers(gained);
+  return kick_;
+}
+
 void SimbodyTree::slope(const double* y, double* dydt) {
   system_->realize(y, SimTK::Stage::Acceleration);
   const SimTK::Vector& slopes = system_->state.getYDot();
@@ -207,10 +239,9 @@ const std::vector<Placed>& SimbodyTree::pushed(double dt) {
   }
   system.state.updU() = 0;
   system.all.realize(system.state, SimTK::Stage::Dynamics);
-  const SimTK::Vector none(system.matter.getNumMobilities(), 0.0);
   SimTK::Vector gained;
   SimTK::Vector_<SimTK::SpatialVec> unused;
-  system.matter.calcAccelerationIgnoringConstraints(system.state, none, loads, gained, unused);
+  system.matter.calcAccelerationIgnoringConstraints(system.state, system.pushed, loads, gained, unused);
   std::vector<double> y = start_;
   const std::size_t coordinates = y.size() - static_cast<std::size_t>(gained.size());
   for (int i = 0; i < gained.size(); ++i) y[coordinates + static_cast<std::size_t>(i)] += dt * gained[i];

@@ -33,11 +33,20 @@ class SimbodyTree {
   /// At t = 0. Of the velocities of the bodies those that the joints allow.
   const std::vector<double>& start() const { return start_; }
 
+  /// Where the one coordinate of what a body hangs on, and its speed, stand in a state; of hinges and sliders.
+  std::size_t place_of_coordinate(std::size_t body) const;
+  std::size_t first_speed() const;
+  std::size_t place_of_speed(std::size_t body) const;
+  /// A force along that coordinate, N m or N, from now on.
+  void push(std::size_t body, double force);
+  /// What a unit impulse along it adds to all speeds, in their order in a state; stays until the next call.
+  const std::vector<double>& kick(const double* y, std::size_t body);
+
   /// dy/dt
   void slope(const double* y, double* dydt);
   /// By the numbers of bodies; stays until the next call.
   const std::vector<Placed>& bodies(const double* y);
-  /// At t = 0, with the speeds that weights and gyroscopic torques alone would have given after dt, s.
+  /// At t = 0, with the speeds that weights, gyroscopic torques and pushes alone would have given after dt, s.
   const std::vector<Placed>& pushed(double dt);
   /// The force of what each body hangs on, on it, N, world frame; stays until the next call.
   const std::vector<Vec3>& forces(const double* y);
@@ -48,6 +57,7 @@ class SimbodyTree {
   std::vector<double> start_;
   std::vector<Placed> bodies_;
   std::vector<Vec3> forces_;
+  std::vector<double> kick_;
 };
 
 }  // namespace odeval::reference
