@@ -83,9 +83,33 @@ struct Hanging {
   }
 };
 
-}  // namespace
+class Tree final : public SimbodyTree {
+ public:
+  Tree(const Mechanism& mechanism, const std::vector<Branch>& tree, double gravity);
 
-struct SimbodyTree::System {
+  std::string version() const override;
+  const std::vector<double>& start() const override { return start_; }
+  std::size_t place_of_coordinate(std::size_t body) const override;
+  std::size_t place_of_speed(std::size_t body) const override;
+  std::size_t first_speed() const override;
+  void push(std::size_t body, double force) override;
+  Vec3 direction(const double* y, std::size_t body, const Vec3& axis_at_start) override;
+  const std::vector<double>& kick(const double* y, std::size_t body) override;
+  void slope(const double* y, double* dydt) override;
+  const std::vector<Placed>& bodies(const double* y) override;
+  const std::vector<Placed>& pushed(double dt) override;
+  const std::vector<Vec3>& forces(const double* y) override;
+
+ private:
+  struct System;
+  std::unique_ptr<System> system_;
+  std::vector<double> start_;
+  std::vector<Placed> bodies_;
+  std::vector<Vec3> forces_;
+  std::vector<double> kick_;
+};
+
+struct Tree::System {
   Mechanism mechanism;
   std::vector<Branch> tree;
   double gravity;
@@ -157,25 +181,19 @@ struct SimbodyTree::System {
   }
 };
 
-namespace {
-
 std::vector<double> numbers(const SimTK::Vector& vector) {
   std::vector<double> all;
   for (int i = 0; i < vector.size(); ++i) all.push_back(vector[i]);
   return all;
 }
 
-}  // namespace
-
-SimbodyTree::SimbodyTree(const Mechanism& mechanism, std::vector<Branch> tree, double gravity)
-    : system_(std::make_unique<System>(mechanism, std::move(tree), gravity)),
+Tree::Tree(const Mechanism& mechanism, const std::vector<Branch>& tree, double gravity)
+    : system_(std::make_unique<System>(mechanism, tree, gravity)),
       start_(numbers(system_->state.getY())),
       bodies_(mechanism.bodies.size()),
       forces_(mechanism.bodies.size()) {}
 
-SimbodyTree::~SimbodyTree() = default;
-
-std::string SimbodyTree::version() {
+std::string Tree::version() const {
   int major = 0;
   int minor = 0;
   int build = 0;
@@ -183,22 +201,29 @@ std::string SimbodyTree::version() {
   return std::to_string(major) + "." + std::to_string(minor);
 }
 
-std::size_t SimbodyTree::place_of_coordinate(std::size_t body) const {
+std::size_t Tree::place_of_coordinate(std::size_t body) const {
   return static_cast<std::size_t>(int(system_->bodies[body].getFirstQIndex(system_->state)));
 }
 
-std::size_t SimbodyTree::first_speed() const { return static_cast<std::size_t>(system_->state.getNQ()); }
+std::size_t Tree::first_speed() const { return static_cast<std::size_t>(system_->state.getNQ()); }
 
-std::size_t SimbodyTree::place_of_speed(std::size_t body) const {
+std::size_t Tree::place_of_speed(std::size_t body) const {
   return first_speed() + static_cast<std::size_t>(int(system_->bodies[body].getFirstUIndex(system_->state)));
 }
 
-void SimbodyTree::push(std::size_t body, double force) {
+// Fixed in the body, which does not turn against what it slides on.
+Vec3 Tree::direction(const double* y, std::size_t body, const Vec3& axis_at_start) {
+  system_->realize(y, SimTK::Stage::Position);
+  const SimTK::Rotation start = place_of(system_->mechanism.bodies[body]).R();
+  return ours(system_->bodies[body].getBodyRotation(system_->state) * (~start * simbody(axis_at_start)));
+}
+
+void Tree::push(std::size_t body, double force) {
   system_->pushes->setOneMobilityForce(system_->state, system_->bodies[body], SimTK::MobilizerUIndex(0), force);
   system_->pushed[int(system_->bodies[body].getFirstUIndex(system_->state))] = force;
 }
 
-const std::vector<double>& SimbodyTree::kick(const double* y, std::size_t body) {
+const std::vector<double>& Tree::kick(const double* y, std::size_t body) {
   system_->realize(y, SimTK::Stage::Position);
   SimTK::Vector impulse(system_->matter.getNumMobilities(), 0.0);
   impulse[int(system_->bodies[body].getFirstUIndex(system_->state))] = 1;
@@ -208,13 +233,13 @@ const std::vector<double>& SimbodyTree::kick(const double* y, std::size_t body) 
   return kick_;
 }
 
-void SimbodyTree::slope(const double* y, double* dydt) {
+void Tree::slope(const double* y, double* dydt) {
   system_->realize(y, SimTK::Stage::Acceleration);
   const SimTK::Vector& slopes = system_->state.getYDot();
   for (int i = 0; i < slopes.size(); ++i) dydt[i] = slopes[i];
 }
 
-const std::vector<Placed>& SimbodyTree::bodies(const double* y) {
+const std::vector<Placed>& Tree::bodies(const double* y) {
   system_->realize(y, SimTK::Stage::Velocity);
   const SimTK::State& state = system_->state;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
@@ -226,7 +251,7 @@ const std::vector<Placed>& SimbodyTree::bodies(const double* y) {
   return bodies_;
 }
 
-const std::vector<Placed>& SimbodyTree::pushed(double dt) {
+const std::vector<Placed>& Tree::pushed(double dt) {
   System& system = *system_;
   system.realize(start_.data(), SimTK::Stage::Velocity);
   SimTK::Vector_<SimTK::SpatialVec> loads(system.matter.getNumBodies(), SimTK::SpatialVec(SimTK::Vec3(0)));
@@ -248,13 +273,21 @@ const std::vector<Placed>& SimbodyTree::pushed(double dt) {
   return bodies(y.data());
 }
 
-const std::vector<Vec3>& SimbodyTree::forces(const double* y) {
+const std::vector<Vec3>& Tree::forces(const double* y) {
   system_->realize(y, SimTK::Stage::Acceleration);
   system_->matter.calcMobilizerReactionForces(system_->state, system_->reactions);
   for (std::size_t i = 0; i < forces_.size(); ++i) {
     forces_[i] = ours(system_->reactions[system_->bodies[i].getMobilizedBodyIndex()][1]);
   }
   return forces_;
+}
+
+}  // namespace
+
+extern "C" __attribute__((visibility("default"))) SimbodyTree* odeval_make_simbody_tree(const Mechanism* mechanism,
+                                                                                        const std::vector<Branch>* tree,
+                                                                                        double gravity) {
+  return new Tree(*mechanism, *tree, gravity);
 }
 
 }  // namespace odeval::reference

@@ -30,13 +30,18 @@ Eigen::MatrixXd mobility(SimbodyTree& simbody, const double* y, const std::vecto
   return a;
 }
 
+/// Of springs, torques and controllers.
+double load(const TreeEquations::Axis& axis, double t, const double* y) {
+  return axis.joint.steady_load(t, axis.q(y), axis.rate(y)) + (axis.held > 0 ? y[axis.held] : 0);
+}
+
 }  // namespace
 
 TreeEquations::TreeEquations(const Scenario& scenario)
     : joints_(scenario.mechanism.joints),
       planar_(scenario.planar),
       tree_(spanning_tree(scenario.mechanism).value()),
-      simbody_(std::make_unique<SimbodyTree>(scenario.mechanism, tree_, scenario.gravity)),
+      simbody_(open_simbody_tree(scenario.mechanism, tree_, scenario.gravity)),
       start_(simbody_->start()) {
   for (const Branch& branch : tree_) {
     if (!branch.joint || !joints_[*branch.joint].driven()) continue;
@@ -58,12 +63,13 @@ TreeEquations::TreeEquations(const Scenario& scenario)
 
 TreeEquations::~TreeEquations() = default;
 
+std::string TreeEquations::version() const { return "Simbody " + simbody_->version(); }
+
 /// Gives Simbody all forces along axes; `held` are those of axes that hold.
 void TreeEquations::push(double t, const double* y, const Grips& grips, const std::vector<double>& held) const {
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const Axis& axis = axes_[i];
-    const double load = axis.joint.steady_load(t, axis.q(y), axis.rate(y)) + (axis.held > 0 ? y[axis.held] : 0);
-    simbody_->push(axis.body, axis.sign * (load + (grips[i].holds ? held[i] : grips[i].force)));
+    simbody_->push(axis.body, axis.sign * (load(axis, t, y) + (grips[i].holds ? held[i] : grips[i].force)));
   }
 }
 
@@ -112,7 +118,13 @@ void TreeEquations::show(const double* y, std::span<BodyState> bodies) const {
 
 void TreeEquations::forces(double t, const double* y, const Grips& grips, std::span<JointState> joints) const {
   if (!axes_.empty()) push(t, y, grips, holding(t, y, grips));
-  const std::vector<Vec3>& on_body = simbody_->forces(y);
+  std::vector<Vec3> on_body = simbody_->forces(y);
+  for (const Axis& axis : axes_) {  // a slider's load is a force, but not one of the joint
+    const auto* const slider = std::get_if<SliderJoint>(&axis.joint.kind);
+    if (slider == nullptr || !axis.joint.loaded()) continue;
+    const Vec3 along = simbody_->direction(y, axis.body, slider->axis);
+    on_body[axis.body] = on_body[axis.body] - axis.sign * load(axis, t, y) * along;
+  }
   for (const Branch& branch : tree_) {
     if (!branch.joint) continue;
     const double sign = joints_[*branch.joint].carried() == branch.body ? 1 : -1;

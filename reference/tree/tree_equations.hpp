@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "odeval/motion.hpp"
@@ -53,6 +54,8 @@ class TreeEquations {
   explicit TreeEquations(const Scenario& scenario);
   ~TreeEquations();
 
+  /// "Simbody 3.7": whose equations they are.
+  std::string version() const;
   /// Numbers in a state.
   std::size_t size() const { return start_.size(); }
   /// The state at t = 0.

@@ -104,8 +104,7 @@ Reference solve_tree(const Scenario& scenario, const SampleGrid& grid, Tolerance
   uncertainty.finish(tight, loose);
   for (const double t : reference.trace.t) append_uncertainty(reference, uncertainty.at(t));
   tell_joint_forces(reference, mechanism);
-  reference.origin =
-      fmt::format("equations of a tree by Simbody {}, {}", SimbodyTree::version(), origin_of(tight_run, loose_run));
+  reference.origin = fmt::format("equations of a tree by {}, {}", equations.version(), origin_of(tight_run, loose_run));
   return reference;
 }
 
