@@ -91,6 +91,8 @@ void CvodeSolver::step() {
   ++steps_;
 }
 
+void CvodeSolver::end_by(double t) { check(CVodeSetStopTime(cvode_.get(), t), "CVodeSetStopTime"); }
+
 void CvodeSolver::interpolate(double t, double* y) const {
   check(CVodeGetDky(cvode_.get(), t, 0, between_.get()), "CVodeGetDky");
   std::copy_n(N_VGetArrayPointer(between_.get()), size_, y);
@@ -110,10 +112,10 @@ std::string CvodeSolver::version() {
   return text.data();
 }
 
-int CvodeSolver::evaluate(double, N_Vector y, N_Vector dydt, void* self) {
+int CvodeSolver::evaluate(double t, N_Vector y, N_Vector dydt, void* self) {
   auto& solver = *static_cast<CvodeSolver*>(self);
   double* slope = N_VGetArrayPointer(dydt);
-  solver.right_side_(N_VGetArrayPointer(y), slope);
+  solver.right_side_(t, N_VGetArrayPointer(y), slope);
   ++solver.evaluations_;
   const bool finite = std::all_of(slope, slope + solver.size_, [](double value) { return std::isfinite(value); });
   return finite ? 0 : 1;  // 1: CVODE may try a smaller step

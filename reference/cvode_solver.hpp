@@ -20,11 +20,11 @@ struct Tolerances {
   bool settable = false;  // by the scenario, so that a failure can be answered with another rtol
 };
 
-/// Integrates y' = f(y). After `start`, every `step` moves end() on by one of CVODE's own steps.
+/// Integrates y' = f(t, y). After `start`, every `step` moves end() on by one of CVODE's own steps.
 /// All failures are MachineErrors; nothing is printed.
 class CvodeSolver {
  public:
-  using RightSide = std::function<void(const double* y, double* dydt)>;
+  using RightSide = std::function<void(double t, const double* y, double* dydt)>;
   /// df_i/dy_j, by rows.
   using Jacobian = std::function<void(const double* y, double* jacobian)>;
 
@@ -37,7 +37,10 @@ class CvodeSolver {
 
   /// Forgets the past and begins at y (`size` values).
   void start(double t, const double* y);
+  /// One of CVODE's own, which ends no later than a time that was set since the last one.
   void step();
+  /// For the next step alone, later than end().
+  void end_by(double t);
 
   double end() const { return end_; }
   /// The state at end(), until the next step.

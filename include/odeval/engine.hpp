@@ -44,6 +44,7 @@ enum class Feature : std::uint8_t {
   open_joints,        // joints that start open
   motors,
   stops,
+  loads,    // springs, torques and controllers of joints
   inertia,  // a tensor of its own, not that of a uniform solid
 };
 

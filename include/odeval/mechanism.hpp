@@ -105,17 +105,44 @@ struct Freedom {
 /// Of a kind; empty of one that leaves nothing.
 Freedom freedom_of(const JointKind& kind);
 
-/// Drives a joint along its axis at a speed, with no more than a force. Positive turns the first body about the axis
-/// against the second, or against the world.
+// What drives, stops and loads a joint that leaves one motion, a hinge or a slider. All of it counts along the axis:
+// the first body against the second, or against the world, from where the joint stands at t = 0; in rad and N m of a
+// hinge, in m and N of a slider.
+
+/// Drives a joint at a speed, with no more than a force.
 struct Motor {
-  double speed_rad_s = 0;     // wanted
-  double most_torque_Nm = 0;  // never more, either way
+  double speed = 0;  // wanted, rad/s or m/s
+  double most = 0;   // never more, either way, N m or N
 };
-/// Ends of a joint's way, counted as the motor counts, from where the joint stands at t = 0.
+/// Ends of a joint's way, rad or m.
 struct Stop {
-  double low_rad = 0;      // at most 0, where the joint starts
-  double high_rad = 0;     // at least 0
+  double low = 0;          // at most 0, where the joint starts
+  double high = 0;         // at least 0
   double restitution = 0;  // speed after striking the end over speed before
+};
+/// Pulls a joint to where it rests, and brakes it: -stiffness (q - rest) - damping qd.
+struct JointSpring {
+  double stiffness = 0;  // N m/rad or N/m
+  double damping = 0;    // N m s/rad or N s/m
+  double rest = 0;       // rad or m
+};
+/// A number over time: a constant, a sine and a table, added up.
+struct Signal {
+  double constant = 0;
+  double amplitude = 0;  // of the sine
+  double frequency_Hz = 0;
+  double phase_rad = 0;           // at t = 0
+  std::vector<double> times_s{};  // of the table, rising; straight lines between them, the ends' values beyond
+  std::vector<double> values{};   // likewise
+
+  double at(double t) const;
+};
+/// Presses a joint to where it shall be: kp (target - q) - kd qd.
+struct Controller {
+  double kp = 0;         // N m/rad or N/m
+  double kd = 0;         // N m s/rad or N s/m
+  Signal target{};       // rad or m
+  bool sampled = false;  // once a step, and held over it, as programs do it; else at every moment
 };
 
 /// Between two bodies, or a body and the world.
@@ -124,11 +151,25 @@ struct Joint {
   std::size_t first = 0;              // number of a body: ODE's first
   std::optional<std::size_t> second;  // absent: the world
   Vec3 opening_m{};                   // by how much the first body stands away from its place in the closed joint
-  std::optional<Motor> motor = {};    // of a hinge; a ball joint has no axis to drive
-  std::optional<Stop> stop = {};      // of a hinge
+  std::optional<Motor> motor = {};    // of a hinge or a slider, as all that follows
+  std::optional<Stop> stop = {};
+  std::vector<JointSpring> springs = {};
+  std::vector<Signal> torques = {};  // of a slider forces
+  std::vector<Controller> controllers = {};
+  std::string name = {};  // for tables and files; need not be there
 
   /// The body whose force the joint tells: the second, or the first where the second is the world.
   std::size_t carried() const { return second.value_or(first); }
+  /// Whether anything drives, stops or loads it.
+  bool driven() const { return motor || stop || loaded(); }
+  /// Whether springs, torques or controllers act on it.
+  bool loaded() const { return !springs.empty() || !torques.empty() || !controllers.empty(); }
+  /// Whether a controller looks at it once a step.
+  bool sampled() const;
+  /// The load of all that acts at every moment, at a time and a way q with its rate.
+  double steady_load(double t, double q, double rate) const;
+  /// Of the controllers that look once a step.
+  double sampled_load(double t, double q, double rate) const;
 };
 
 // ---- Contacts

@@ -65,7 +65,7 @@ class FreeCvode final : public Simulation {
         state_(count_ * state_numbers),
         solver_(
             count_ * state_numbers,
-            [this](const double* y, double* slope) {
+            [this](double, const double* y, double* slope) {
               for (std::size_t i = 0; i < count_; ++i) {
                 FreeState body;
                 std::memcpy(&body, y + i * state_numbers, sizeof body);

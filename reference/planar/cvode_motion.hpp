@@ -48,7 +48,7 @@ class CvodeMotion {
   CvodeMotion(const Scenario& scenario, Tolerances tolerances)
       : equations_(scenario),
         solver_(
-            2 * N, [this](const double* y, double* dydt) { evaluate(y, dydt); }, tolerances, scenario.name,
+            2 * N, [this](double, const double* y, double* dydt) { evaluate(y, dydt); }, tolerances, scenario.name,
             scenario.duration_s),
         begin_state_(start_state<State>(*scenario.planar)),
         end_state_(begin_state_) {

@@ -20,8 +20,8 @@ class LongChainMotion {
         state_(start_state<State>(*scenario.planar)),
         slope_(state_.size()),
         solver_(
-            state_.size(), [this](const double* y, double* dydt) { evaluate(y, dydt); }, tolerances, scenario.name,
-            scenario.duration_s),
+            state_.size(), [this](double, const double* y, double* dydt) { evaluate(y, dydt); }, tolerances,
+            scenario.name, scenario.duration_s),
         start_(state_) {
     solver_.start(0, start_.data());
   }

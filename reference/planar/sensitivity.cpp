@@ -26,7 +26,7 @@ Sensitivity solve(const Scenario& scenario, const SampleGrid& grid, const Equati
   const FreeMotion<dof> motion(scenario);
   CvodeSolver solver(
       size,
-      [&](const double* y, double* dydt) {
+      [&](double, const double* y, double* dydt) {
         typename Equations::State state, slope;
         std::copy_n(y, size, state.begin());
         equations(state, slope);

@@ -3,6 +3,7 @@
 #include <Simbody.h>
 
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <variant>
 
@@ -82,23 +83,52 @@ struct Hanging {
   }
 };
 
-}  // namespace
+class Tree final : public SimbodyTree {
+ public:
+  Tree(const Mechanism& mechanism, const std::vector<Branch>& tree, double gravity);
 
-struct SimbodyTree::System {
+  std::string version() const override;
+  const std::vector<double>& start() const override { return start_; }
+  std::size_t place_of_coordinate(std::size_t body) const override;
+  std::size_t place_of_speed(std::size_t body) const override;
+  std::size_t first_speed() const override;
+  void push(std::size_t body, double force) override;
+  Vec3 direction(const double* y, std::size_t body, const Vec3& axis_at_start) override;
+  const std::vector<double>& kick(const double* y, std::size_t body) override;
+  void slope(const double* y, double* dydt) override;
+  const std::vector<Placed>& bodies(const double* y) override;
+  const std::vector<Placed>& pushed(double dt) override;
+  const std::vector<Vec3>& forces(const double* y) override;
+
+ private:
+  struct System;
+  std::unique_ptr<System> system_;
+  std::vector<double> start_;
+  std::vector<Placed> bodies_;
+  std::vector<Vec3> forces_;
+  std::vector<double> kick_;
+};
+
+struct Tree::System {
   Mechanism mechanism;
   std::vector<Branch> tree;
   double gravity;
   SimTK::MultibodySystem all;
   SimTK::SimbodyMatterSubsystem matter{all};
   SimTK::GeneralForceSubsystem loads{all};
-  std::vector<SimTK::MobilizedBody> bodies;  // by their numbers in the mechanism
+  std::optional<SimTK::Force::DiscreteForces> pushes;  // where anything pushes
+  std::vector<SimTK::MobilizedBody> bodies;            // by their numbers in the mechanism
   SimTK::State state;
+  SimTK::Vector pushed;  // the same forces, by speeds
   SimTK::Vector_<SimTK::SpatialVec> reactions;
 
   System(Mechanism of, std::vector<Branch> order, double pull)
       : mechanism(std::move(of)), tree(std::move(order)), gravity(pull), bodies(mechanism.bodies.size()) {
     if (gravity != 0) SimTK::Force::Gravity(loads, matter, SimTK::Vec3(0, 0, -gravity));
     for (const Branch& branch : tree) add(branch);
+    for (const Joint& joint : mechanism.joints) {
+      if (joint.driven() && !pushes) pushes.emplace(loads, matter);
+    }
     all.realizeTopology();
     state = all.getDefaultState();
     for (const Branch& branch : tree) {
@@ -106,6 +136,7 @@ struct SimbodyTree::System {
     }
     all.realize(state, SimTK::Stage::Position);
     for (const Branch& branch : tree) set_speed(branch);
+    pushed = SimTK::Vector(matter.getNumMobilities(), 0.0);
   }
 
   void realize(const double* y, SimTK::Stage stage) {
@@ -150,25 +181,19 @@ struct SimbodyTree::System {
   }
 };
 
-namespace {
-
 std::vector<double> numbers(const SimTK::Vector& vector) {
   std::vector<double> all;
   for (int i = 0; i < vector.size(); ++i) all.push_back(vector[i]);
   return all;
 }
 
-}  // namespace
-
-SimbodyTree::SimbodyTree(const Mechanism& mechanism, std::vector<Branch> tree, double gravity)
-    : system_(std::make_unique<System>(mechanism, std::move(tree), gravity)),
+Tree::Tree(const Mechanism& mechanism, const std::vector<Branch>& tree, double gravity)
+    : system_(std::make_unique<System>(mechanism, tree, gravity)),
       start_(numbers(system_->state.getY())),
       bodies_(mechanism.bodies.size()),
       forces_(mechanism.bodies.size()) {}
 
-SimbodyTree::~SimbodyTree() = default;
-
-std::string SimbodyTree::version() {
+std::string Tree::version() const {
   int major = 0;
   int minor = 0;
   int build = 0;
@@ -176,13 +201,45 @@ std::string SimbodyTree::version() {
   return std::to_string(major) + "." + std::to_string(minor);
 }
 
-void SimbodyTree::slope(const double* y, double* dydt) {
+std::size_t Tree::place_of_coordinate(std::size_t body) const {
+  return static_cast<std::size_t>(int(system_->bodies[body].getFirstQIndex(system_->state)));
+}
+
+std::size_t Tree::first_speed() const { return static_cast<std::size_t>(system_->state.getNQ()); }
+
+std::size_t Tree::place_of_speed(std::size_t body) const {
+  return first_speed() + static_cast<std::size_t>(int(system_->bodies[body].getFirstUIndex(system_->state)));
+}
+
+// Fixed in the body, which does not turn against what it slides on.
+Vec3 Tree::direction(const double* y, std::size_t body, const Vec3& axis_at_start) {
+  system_->realize(y, SimTK::Stage::Position);
+  const SimTK::Rotation start = place_of(system_->mechanism.bodies[body]).R();
+  return ours(system_->bodies[body].getBodyRotation(system_->state) * (~start * simbody(axis_at_start)));
+}
+
+void Tree::push(std::size_t body, double force) {
+  system_->pushes->setOneMobilityForce(system_->state, system_->bodies[body], SimTK::MobilizerUIndex(0), force);
+  system_->pushed[int(system_->bodies[body].getFirstUIndex(system_->state))] = force;
+}
+
+const std::vector<double>& Tree::kick(const double* y, std::size_t body) {
+  system_->realize(y, SimTK::Stage::Position);
+  SimTK::Vector impulse(system_->matter.getNumMobilities(), 0.0);
+  impulse[int(system_->bodies[body].getFirstUIndex(system_->state))] = 1;
+  SimTK::Vector gained;
+  system_->matter.multiplyByMInv(system_->state, impulse, gained);
+  kick_ = numbers(gained);
+  return kick_;
+}
+
+void Tree::slope(const double* y, double* dydt) {
   system_->realize(y, SimTK::Stage::Acceleration);
   const SimTK::Vector& slopes = system_->state.getYDot();
   for (int i = 0; i < slopes.size(); ++i) dydt[i] = slopes[i];
 }
 
-const std::vector<Placed>& SimbodyTree::bodies(const double* y) {
+const std::vector<Placed>& Tree::bodies(const double* y) {
   system_->realize(y, SimTK::Stage::Velocity);
   const SimTK::State& state = system_->state;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
@@ -194,7 +251,7 @@ const std::vector<Placed>& SimbodyTree::bodies(const double* y) {
   return bodies_;
 }
 
-const std::vector<Placed>& SimbodyTree::pushed(double dt) {
+const std::vector<Placed>& Tree::pushed(double dt) {
   System& system = *system_;
   system.realize(start_.data(), SimTK::Stage::Velocity);
   SimTK::Vector_<SimTK::SpatialVec> loads(system.matter.getNumBodies(), SimTK::SpatialVec(SimTK::Vec3(0)));
@@ -207,23 +264,30 @@ const std::vector<Placed>& SimbodyTree::pushed(double dt) {
   }
   system.state.updU() = 0;
   system.all.realize(system.state, SimTK::Stage::Dynamics);
-  const SimTK::Vector none(system.matter.getNumMobilities(), 0.0);
   SimTK::Vector gained;
   SimTK::Vector_<SimTK::SpatialVec> unused;
-  system.matter.calcAccelerationIgnoringConstraints(system.state, none, loads, gained, unused);
+  system.matter.calcAccelerationIgnoringConstraints(system.state, system.pushed, loads, gained, unused);
   std::vector<double> y = start_;
   const std::size_t coordinates = y.size() - static_cast<std::size_t>(gained.size());
   for (int i = 0; i < gained.size(); ++i) y[coordinates + static_cast<std::size_t>(i)] += dt * gained[i];
   return bodies(y.data());
 }
 
-const std::vector<Vec3>& SimbodyTree::forces(const double* y) {
+const std::vector<Vec3>& Tree::forces(const double* y) {
   system_->realize(y, SimTK::Stage::Acceleration);
   system_->matter.calcMobilizerReactionForces(system_->state, system_->reactions);
   for (std::size_t i = 0; i < forces_.size(); ++i) {
     forces_[i] = ours(system_->reactions[system_->bodies[i].getMobilizedBodyIndex()][1]);
   }
   return forces_;
+}
+
+}  // namespace
+
+extern "C" __attribute__((visibility("default"))) SimbodyTree* odeval_make_simbody_tree(const Mechanism* mechanism,
+                                                                                        const std::vector<Branch>* tree,
+                                                                                        double gravity) {
+  return new Tree(*mechanism, *tree, gravity);
 }
 
 }  // namespace odeval::reference

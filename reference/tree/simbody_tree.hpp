@@ -1,6 +1,6 @@
 #pragma once
-// A tree of bodies in Simbody. Its headers are C++17 (in C++20 they are ambiguous), so is what stands here and beside
-// it, and nothing that includes them is included elsewhere.
+// A tree of bodies in Simbody, which is loaded when the first is wanted. Its headers are C++17 (in C++20 they are
+// ambiguous), so is what stands here and beside it, and nothing that includes them is included elsewhere.
 #include <memory>
 #include <string>
 #include <vector>
@@ -23,31 +23,38 @@ struct Placed {
 /// The state is what Simbody calls Q and U, one after the other.
 class SimbodyTree {
  public:
-  /// The tree is the mechanism's, whose joints start closed.
-  SimbodyTree(const Mechanism& mechanism, std::vector<Branch> tree, double gravity);
-  ~SimbodyTree();
+  virtual ~SimbodyTree() = default;
 
   /// "3.7"
-  static std::string version();
+  virtual std::string version() const = 0;
 
   /// At t = 0. Of the velocities of the bodies those that the joints allow.
-  const std::vector<double>& start() const { return start_; }
+  virtual const std::vector<double>& start() const = 0;
+
+  /// Where the one coordinate of what a body hangs on, and its speed, stand in a state; of hinges and sliders.
+  virtual std::size_t place_of_coordinate(std::size_t body) const = 0;
+  virtual std::size_t place_of_speed(std::size_t body) const = 0;
+  virtual std::size_t first_speed() const = 0;
+  /// A force along that coordinate, N m or N, from now on.
+  virtual void push(std::size_t body, double force) = 0;
+  /// Where that of a slider leads, in the world.
+  virtual Vec3 direction(const double* y, std::size_t body, const Vec3& axis_at_start) = 0;
+  /// What a unit impulse along it adds to all speeds, in their order in a state; stays until the next call.
+  virtual const std::vector<double>& kick(const double* y, std::size_t body) = 0;
 
   /// dy/dt
-  void slope(const double* y, double* dydt);
+  virtual void slope(const double* y, double* dydt) = 0;
   /// By the numbers of bodies; stays until the next call.
-  const std::vector<Placed>& bodies(const double* y);
-  /// At t = 0, with the speeds that weights and gyroscopic torques alone would have given after dt, s.
-  const std::vector<Placed>& pushed(double dt);
+  virtual const std::vector<Placed>& bodies(const double* y) = 0;
+  /// At t = 0, with the speeds that weights, gyroscopic torques and pushes alone would have given after dt, s.
+  virtual const std::vector<Placed>& pushed(double dt) = 0;
   /// The force of what each body hangs on, on it, N, world frame; stays until the next call.
-  const std::vector<Vec3>& forces(const double* y);
-
- private:
-  struct System;
-  std::unique_ptr<System> system_;
-  std::vector<double> start_;
-  std::vector<Placed> bodies_;
-  std::vector<Vec3> forces_;
+  virtual const std::vector<Vec3>& forces(const double* y) = 0;
 };
+
+/// The tree is the mechanism's, whose joints start closed. Loads Simbody, which takes longer than most runs and brings
+/// BLAS with threads of its own. Throws MachineError when it can not be loaded.
+std::unique_ptr<SimbodyTree> open_simbody_tree(const Mechanism& mechanism, const std::vector<Branch>& tree,
+                                               double gravity);
 
 }  // namespace odeval::reference

@@ -1,20 +1,106 @@
 #include "reference/tree/tree_equations.hpp"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "reference/maximal/box_lcp.hpp"
 #include "reference/tree/simbody_tree.hpp"
 
 namespace odeval::reference {
+namespace {
+
+constexpr double unbounded = std::numeric_limits<double>::infinity();
+
+/// The axes of a list, as columns of the inverse mass matrix: how a unit force along one accelerates each.
+Eigen::MatrixXd mobility(SimbodyTree& simbody, const double* y, const std::vector<TreeEquations::Axis>& axes,
+                         const std::vector<std::size_t>& which) {
+  const auto count = static_cast<Eigen::Index>(which.size());
+  Eigen::MatrixXd a(count, count);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    const TreeEquations::Axis& pushed = axes[which[static_cast<std::size_t>(j)]];
+    const std::vector<double>& kick = simbody.kick(y, pushed.body);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const TreeEquations::Axis& axis = axes[which[static_cast<std::size_t>(i)]];
+      a(i, j) = axis.sign * pushed.sign * kick[axis.speed - simbody.first_speed()];
+    }
+  }
+  return a;
+}
+
+/// Of springs, torques and controllers.
+double load(const TreeEquations::Axis& axis, double t, const double* y) {
+  return axis.joint.steady_load(t, axis.q(y), axis.rate(y)) + (axis.held > 0 ? y[axis.held] : 0);
+}
+
+}  // namespace
 
 TreeEquations::TreeEquations(const Scenario& scenario)
     : joints_(scenario.mechanism.joints),
       planar_(scenario.planar),
       tree_(spanning_tree(scenario.mechanism).value()),
-      simbody_(std::make_unique<SimbodyTree>(scenario.mechanism, tree_, scenario.gravity)) {}
+      simbody_(open_simbody_tree(scenario.mechanism, tree_, scenario.gravity)),
+      start_(simbody_->start()) {
+  for (const Branch& branch : tree_) {
+    if (!branch.joint || !joints_[*branch.joint].driven()) continue;
+    const Joint& joint = joints_[*branch.joint];
+    Axis axis{joint,
+              branch.body,
+              joint.first == branch.body ? 1.0 : -1.0,
+              simbody_->place_of_coordinate(branch.body),
+              simbody_->place_of_speed(branch.body),
+              0};
+    if (joint.sampled()) {
+      axis.held = start_.size();
+      start_.push_back(0);
+    }
+    axes_.push_back(axis);
+  }
+  start_ = sampled(0, start_.data());
+}
 
 TreeEquations::~TreeEquations() = default;
 
-const std::vector<double>& TreeEquations::start() const { return simbody_->start(); }
+std::string TreeEquations::version() const { return "Simbody " + simbody_->version(); }
 
-void TreeEquations::operator()(const double* y, double* dydt) const { simbody_->slope(y, dydt); }
+/// Gives Simbody all forces along axes; `held` are those of axes that hold.
+void TreeEquations::push(double t, const double* y, const Grips& grips, const std::vector<double>& held) const {
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const Axis& axis = axes_[i];
+    simbody_->push(axis.body, axis.sign * (load(axis, t, y) + (grips[i].holds ? held[i] : grips[i].force)));
+  }
+}
+
+std::vector<double> TreeEquations::holding(double t, const double* y, const Grips& grips) const {
+  std::vector<double> forces(axes_.size());
+  std::vector<std::size_t> holding;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    if (grips[i].holds) holding.push_back(i);
+  }
+  if (holding.empty()) return forces;
+  push(t, y, grips, forces);
+  State slope(simbody_->start().size());
+  simbody_->slope(y, slope.data());
+  Eigen::VectorXd wanted(static_cast<Eigen::Index>(holding.size()));
+  for (std::size_t i = 0; i < holding.size(); ++i) {
+    const Axis& axis = axes_[holding[i]];
+    wanted[static_cast<Eigen::Index>(i)] = -axis.sign * slope[axis.speed];
+  }
+  const Eigen::VectorXd found = mobility(*simbody_, y, axes_, holding).llt().solve(wanted);
+  for (std::size_t i = 0; i < holding.size(); ++i) forces[holding[i]] = found[static_cast<Eigen::Index>(i)];
+  return forces;
+}
+
+void TreeEquations::operator()(double t, const double* y, double* dydt, const Grips& grips) const {
+  if (!axes_.empty()) push(t, y, grips, holding(t, y, grips));
+  simbody_->slope(y, dydt);
+  std::fill(dydt + simbody_->start().size(), dydt + size(), 0.0);
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    if (grips[i].holds) dydt[axes_[i].speed] = 0;
+  }
+}
 
 void TreeEquations::show(const double* y, std::span<BodyState> bodies) const {
   const std::vector<Placed>& placed = simbody_->bodies(y);
@@ -30,13 +116,147 @@ void TreeEquations::show(const double* y, std::span<BodyState> bodies) const {
   }
 }
 
-void TreeEquations::forces(const double* y, std::span<JointState> joints) const {
-  const std::vector<Vec3>& on_body = simbody_->forces(y);
+void TreeEquations::forces(double t, const double* y, const Grips& grips, std::span<JointState> joints) const {
+  if (!axes_.empty()) push(t, y, grips, holding(t, y, grips));
+  std::vector<Vec3> on_body = simbody_->forces(y);
+  for (const Axis& axis : axes_) {  // a slider's load is a force, but not one of the joint
+    const auto* const slider = std::get_if<SliderJoint>(&axis.joint.kind);
+    if (slider == nullptr || !axis.joint.loaded()) continue;
+    const Vec3 along = simbody_->direction(y, axis.body, slider->axis);
+    on_body[axis.body] = on_body[axis.body] - axis.sign * load(axis, t, y) * along;
+  }
   for (const Branch& branch : tree_) {
     if (!branch.joint) continue;
     const double sign = joints_[*branch.joint].carried() == branch.body ? 1 : -1;
     joints[*branch.joint].force = sign * on_body[branch.body];
   }
+}
+
+// A motor has all its force either way until its speed is reached; a stop has what it takes to push the joint back.
+Grips TreeEquations::grips(double t, const double* y, std::optional<Released> released) const {
+  Grips grips(axes_.size());
+  std::vector<std::size_t> may_hold;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const Axis& axis = axes_[i];
+    Grip& grip = grips[i];
+    const double rate = axis.rate(y);
+    bool holds = false;
+    if (const std::optional<Motor>& motor = axis.joint.motor; motor && motor->most > 0) {
+      holds = std::fabs(rate - motor->speed) <= at_speed;
+      const double push = std::copysign(motor->most, motor->speed - rate);
+      grip.least = holds ? -motor->most : push;
+      grip.most = holds ? motor->most : push;
+    }
+    if (const std::optional<Stop>& stop = axis.joint.stop; stop && std::fabs(rate) <= at_speed) {
+      const bool low = axis.q(y) - stop->low <= at_end;
+      const bool high = stop->high - axis.q(y) <= at_end;
+      if (low) grip.most = unbounded;
+      if (high) grip.least = -unbounded;
+      holds = holds || low || high;
+    }
+    grip.force = grip.least;  // of one that may not hold; of others until it is known
+    if (released && released->axis == i) {
+      grip = {.holds = false, .least = 0, .most = 0, .force = released->force};
+    } else if (holds) {
+      may_hold.push_back(i);
+    }
+  }
+  if (may_hold.empty()) return grips;
+
+  // A lambda = wanted + w: the forces between their bounds that keep all speeds, or let them leave the right way.
+  for (const std::size_t i : may_hold) grips[i].force = 0;
+  push(t, y, grips, {});
+  State slope(simbody_->start().size());
+  simbody_->slope(y, slope.data());
+  const auto count = static_cast<Eigen::Index>(may_hold.size());
+  Eigen::VectorXd wanted(count), least(count), most(count), force(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const std::size_t k = may_hold[static_cast<std::size_t>(i)];
+    wanted[i] = -axes_[k].sign * slope[axes_[k].speed];
+    least[i] = grips[k].least;
+    most[i] = grips[k].most;
+  }
+  maximal::BoxLcp().solve(count, mobility(*simbody_, y, axes_, may_hold), wanted, least, most, force);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    Grip& grip = grips[may_hold[static_cast<std::size_t>(i)]];
+    grip.holds = force[i] > least[i] && force[i] < most[i];
+    grip.force = grip.holds ? 0 : force[i];
+  }
+  return grips;
+}
+
+// Newton's law of restitution along the axis that strikes; of the others on their stops, those that have to push.
+TreeEquations::Strike TreeEquations::strike(const double* y, std::size_t axis) const {
+  Strike all;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const std::optional<Stop>& stop = axes_[i].joint.stop;
+    if (!stop) continue;
+    const double above = axes_[i].q(y) - stop->low;
+    const double below = stop->high - axes_[i].q(y);
+    const double away = above < below ? 1 : -1;
+    const double approach = -away * axes_[i].rate(y);
+    if (i != axis && std::fabs(std::fmin(above, below)) > at_end) continue;
+    all.axes.push_back(i);
+    all.away.push_back(away);
+    all.restitution.push_back(i == axis && approach * stop->restitution > rest_speed ? stop->restitution : 0);
+  }
+  const auto count = static_cast<Eigen::Index>(all.axes.size());
+  const Eigen::VectorXd impulse = impulses(y, all, Eigen::VectorXd::Constant(count, unbounded));
+  Strike felt;
+  for (std::size_t i = 0; i < all.axes.size(); ++i) {
+    if (impulse[static_cast<Eigen::Index>(i)] <= 0 && all.axes[i] != axis) continue;
+    felt.axes.push_back(all.axes[i]);
+    felt.away.push_back(all.away[i]);
+    felt.restitution.push_back(all.restitution[i]);
+  }
+  return felt;
+}
+
+/// Along the ways that leave the ends: between 0 and the most, or whatever gives the speeds where there is no bound.
+Eigen::VectorXd TreeEquations::impulses(const double* y, const Strike& strike,
+                                        const std::optional<Eigen::VectorXd>& most) const {
+  const auto count = static_cast<Eigen::Index>(strike.axes.size());
+  Eigen::MatrixXd a = mobility(*simbody_, y, axes_, strike.axes);
+  Eigen::VectorXd wanted(count), impulse(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    wanted[i] = -(1 + strike.restitution[k]) * strike.away[k] * axes_[strike.axes[k]].rate(y);
+    for (Eigen::Index j = 0; j < count; ++j) a(i, j) *= strike.away[k] * strike.away[static_cast<std::size_t>(j)];
+  }
+  if (!most) return a.llt().solve(wanted);
+  maximal::BoxLcp().solve(count, a, wanted, Eigen::VectorXd::Zero(count), *most, impulse);
+  return impulse;
+}
+
+TreeEquations::State TreeEquations::struck(const double* y, const Strike& strike) const {
+  State after(y, y + size());
+  const Eigen::VectorXd impulse = impulses(y, strike, {});
+  for (std::size_t i = 0; i < strike.axes.size(); ++i) {
+    const Axis& axis = axes_[strike.axes[i]];
+    after[axis.way] = axis.sign * (strike.away[i] > 0 ? axis.joint.stop->low : axis.joint.stop->high);
+    const std::vector<double>& kick = simbody_->kick(y, axis.body);
+    const double along = axis.sign * strike.away[i] * impulse[static_cast<Eigen::Index>(i)];
+    for (std::size_t j = 0; j < kick.size(); ++j) after[simbody_->first_speed() + j] += along * kick[j];
+  }
+  return after;
+}
+
+const std::vector<Placed>& TreeEquations::pushed(double dt) const {
+  const Grips start = grips(0, start_.data());
+  if (!axes_.empty()) push(0, start_.data(), start, holding(0, start_.data(), start));
+  return simbody_->pushed(dt);
+}
+
+TreeEquations::State TreeEquations::sampled(double t, const double* y) const {
+  State after(y, y + size());
+  for (const Axis& axis : axes_) {
+    if (axis.held > 0) after[axis.held] = axis.joint.sampled_load(t, axis.q(y), axis.rate(y));
+  }
+  return after;
+}
+
+bool TreeEquations::samples() const {
+  return std::ranges::any_of(axes_, [](const Axis& axis) { return axis.held > 0; });
 }
 
 }  // namespace odeval::reference

@@ -1,8 +1,11 @@
 #pragma once
 // Equations of motion of a tree of bodies in generalized coordinates: Simbody's, which take time in proportion to the
 // number of bodies.
+#include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "odeval/motion.hpp"
@@ -12,34 +15,104 @@
 namespace odeval::reference {
 
 class SimbodyTree;
+struct Placed;
+
+/// What a driven joint's motor and stop do for a while. Their force counts as a motor counts (mechanism.hpp).
+struct Grip {
+  bool holds = false;  // the joint keeps its speed, by whatever force that takes between the next two
+  double least = 0;    // N m or N
+  double most = 0;
+  double force = 0;  // while it does not hold
+
+  bool operator==(const Grip&) const = default;
+};
+/// Of all driven joints, in the order of TreeEquations::axes.
+using Grips = std::vector<Grip>;
 
 /// The state is what Simbody calls Q and U, one after the other: angles of hinges and universal joints (rad, 0 at t =
 /// 0, without jumps), ways of sliders (m), quaternions of balls and of free bodies (whose length says nothing), places
-/// of free bodies (m); then the speeds that belong to them.
+/// of free bodies (m); then the speeds that belong to them. After these the loads that controllers hold which look once
+/// a step.
 class TreeEquations {
  public:
+  using State = std::vector<double>;
+
+  /// A joint that something drives, stops or loads.
+  struct Axis {
+    Joint joint;
+    std::size_t body;   // that hangs on it in the tree
+    double sign;        // of its way against the coordinate in the state
+    std::size_t way;    // places in a state
+    std::size_t speed;  // likewise
+    std::size_t held;   // likewise, of the held load where there is one
+
+    double q(const double* y) const { return sign * y[way]; }
+    double rate(const double* y) const { return sign * y[speed]; }
+  };
+
   /// The mechanism is a tree (spanning_tree.hpp) of closed joints. Of its start the velocities that the joints allow.
   explicit TreeEquations(const Scenario& scenario);
   ~TreeEquations();
 
+  /// "Simbody 3.7": whose equations they are.
+  std::string version() const;
   /// Numbers in a state.
-  std::size_t size() const { return start().size(); }
+  std::size_t size() const { return start_.size(); }
   /// The state at t = 0.
-  const std::vector<double>& start() const;
+  const State& start() const { return start_; }
+  const std::vector<Axis>& axes() const { return axes_; }
 
   /// dy/dt
-  void operator()(const double* y, double* dydt) const;
+  void operator()(double t, const double* y, double* dydt, const Grips& grips) const;
 
   /// The bodies in the world. Of links in a plane with their angles.
   void show(const double* y, std::span<BodyState> bodies) const;
   /// The force of each joint on the body that it carries.
-  void forces(const double* y, std::span<JointState> joints) const;
+  void forces(double t, const double* y, const Grips& grips, std::span<JointState> joints) const;
+
+  /// Motors and stops by what holds at a state: speeds that are reached, ends that are touched at no speed. `released`
+  /// is an axis that does not hold whatever its speed, at a force.
+  struct Released {
+    std::size_t axis;
+    double force;
+  };
+  Grips grips(double t, const double* y, std::optional<Released> released = {}) const;
+  /// The forces by which those that hold do so, 0 of others.
+  std::vector<double> holding(double t, const double* y, const Grips& grips) const;
+  /// Axes that strike an end of their way or are pressed to it at a moment.
+  struct Strike {
+    std::vector<std::size_t> axes;
+    std::vector<double> away;         // of each: the sign of the way that leaves the end
+    std::vector<double> restitution;  // of each: its speed after over its speed before
+  };
+  /// Of an axis that strikes at a state, with those others that lie on their ends and feel it.
+  Strike strike(const double* y, std::size_t axis) const;
+  /// The state after it.
+  State struck(const double* y, const Strike& strike) const;
+  /// The bodies at t = 0, with the speeds that weights, gyroscopic torques and what acts along joints alone would have
+  /// given after dt, s.
+  const std::vector<Placed>& pushed(double dt) const;
+  /// The state with what controllers see now.
+  State sampled(double t, const double* y) const;
+  /// Whether any does.
+  bool samples() const;
+
+  /// m or rad, and m/s or rad/s, within which a joint is at its stop or at its motor's speed: what locating leaves.
+  static constexpr double at_end = 1e-12;
+  static constexpr double at_speed = 1e-12;
+  /// A joint that would leave its stop slower than this stays there: it would rise by less than its way's rounding.
+  static constexpr double rest_speed = 1e-7;
 
  private:
+  Eigen::VectorXd impulses(const double* y, const Strike& strike, const std::optional<Eigen::VectorXd>& most) const;
+  void push(double t, const double* y, const Grips& grips, const std::vector<double>& held) const;
+
   std::vector<Joint> joints_;
   std::shared_ptr<const PlanarView> planar_;
   std::vector<Branch> tree_;
   std::unique_ptr<SimbodyTree> simbody_;
+  std::vector<Axis> axes_;
+  State start_;
 };
 
 }  // namespace odeval::reference

@@ -1,5 +1,14 @@
 #pragma once
-// A tree of bodies integrated by CVODE, step by step.
+// A tree of bodies integrated by CVODE, step by step, cut short where a motor or a stop changes what it does.
+//
+// Such a moment is located on the solver's own polynomial: a joint strikes its stop or is pressed off it no more, a
+// motor reaches its speed or the force it needs for that reaches its limit. Steps end at the known times at which
+// controllers look and tables bend.
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "reference/cvode_solver.hpp"
 #include "reference/tree/tree_equations.hpp"
 
@@ -7,33 +16,66 @@ namespace odeval::reference {
 
 class TreeMotion {
  public:
-  using State = std::vector<double>;
+  using State = TreeEquations::State;
+
+  /// What happens at the end of a piece.
+  struct Change {
+    double t;
+    State before;
+    State after;
+    Grips grips;                                        // from then on
+    std::function<State(const State&)> jump;            // from before to after, of states beside it as well
+    std::function<double(double, const State&)> cause;  // reaches a bound then; empty: the time was known
+  };
 
   /// The equations must outlive it.
-  TreeMotion(const TreeEquations& equations, const Scenario& scenario, Tolerances tolerances)
-      : solver_(
-            equations.size(), [&equations](const double* y, double* dydt) { equations(y, dydt); }, tolerances,
-            scenario.name, scenario.duration_s),
-        state_(equations.start()) {
-    solver_.start(0, state_.data());
-  }
+  TreeMotion(const TreeEquations& equations, const Scenario& scenario, Tolerances tolerances);
+  TreeMotion(const TreeMotion&) = delete;
+  TreeMotion& operator=(const TreeMotion&) = delete;
 
-  /// One of CVODE's own steps; `end` is how far they have come.
-  void advance() { solver_.step(); }
-  double end() const { return solver_.end(); }
+  /// On by a piece: one of CVODE's own steps, or a part of one; `end` is how far they have come.
+  void advance();
+  double end() const { return end_; }
+  /// What happens at end(), and what motors and stops did until then.
+  const std::optional<Change>& change() const { return change_; }
+  const Grips& grips() const { return grips_; }
+  /// How many changes there were until end(), but for those at known times.
+  long changes() const { return changes_; }
 
-  /// The state at a time of the last step; stays until the next call.
-  const State& at(double t) {
-    if (t > 0) solver_.interpolate(t, state_.data());
-    return state_;
-  }
+  /// The state at a time of the last piece, before what happens at its end; stays until the next call.
+  const State& at(double t);
 
   long steps() const { return solver_.steps(); }
   long evaluations() const { return solver_.evaluations(); }
 
  private:
+  struct Event {
+    double t;
+    std::size_t axis;
+    std::optional<double> lets_go;  // at this force; absent: strikes or reaches its speed
+    bool strikes;
+  };
+
+  double next_known_time() const;
+  std::optional<Event> first_event();
+  std::optional<double> first_touch(const TreeEquations::Axis& axis, bool low);
+  std::optional<double> first_zero(const std::function<double(double)>& margin, double slack);
+  void happen(const Event& event);
+  void happen_at_known_time();
+  void change_to(Change change);
+
+  const TreeEquations& equations_;
+  std::string name_;
+  double step_s_;  // of controllers that look once a step
+  Grips grips_;
   CvodeSolver solver_;
   State state_;
+  std::vector<double> bends_;  // of tables, rising
+  double begin_ = 0;
+  double end_ = 0;
+  std::optional<Change> change_;
+  long changes_ = 0;
+  int in_a_row_ = 0;  // changes without a way between them
 };
 
 }  // namespace odeval::reference

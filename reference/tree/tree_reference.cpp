@@ -54,7 +54,7 @@ class TreeSimulation final : public Simulation {
       const double* const y = motion_.at(t).data();
       const Sample sample = recorder.next();
       equations_.show(y, sample.bodies);
-      equations_.forces(y, sample.joints);
+      equations_.forces(t, y, motion_.grips(), sample.joints);
     }
     Outcome outcome;
     outcome.steps = motion_.steps();
@@ -98,14 +98,13 @@ Reference solve_tree(const Scenario& scenario, const SampleGrid& grid, Tolerance
     }
     const double* const y = tight.at(t).data();
     equations.show(y, now[0].bodies);
-    equations.forces(y, now[0].joints);
+    equations.forces(t, y, tight.grips(), now[0].joints);
     append_row(reference, mechanism, t, now[0]);
   }
   uncertainty.finish(tight, loose);
   for (const double t : reference.trace.t) append_uncertainty(reference, uncertainty.at(t));
   tell_joint_forces(reference, mechanism);
-  reference.origin =
-      fmt::format("equations of a tree by Simbody {}, {}", SimbodyTree::version(), origin_of(tight_run, loose_run));
+  reference.origin = fmt::format("equations of a tree by {}, {}", equations.version(), origin_of(tight_run, loose_run));
   return reference;
 }
 
@@ -116,8 +115,8 @@ std::unique_ptr<Simulation> make_mechanism_cvode(const Scenario& scenario, const
 // As catalogue/evaluation.cpp has it for chains in a plane: what the joints' own turning adds is left out, since a step
 // that takes old velocities through the joints of a new pose does that itself.
 Scenario tree_half_a_step_earlier(const Scenario& scenario) {
-  SimbodyTree tree(scenario.mechanism, spanning_tree(scenario.mechanism).value(), scenario.gravity);
-  const std::vector<Placed>& then = tree.pushed(-scenario.step_s / 2);
+  const TreeEquations equations(scenario);
+  const std::vector<Placed>& then = equations.pushed(-scenario.step_s / 2);
   Scenario earlier = scenario;
   for (std::size_t i = 0; i < then.size(); ++i) {
     earlier.mechanism.bodies[i].velocity_m_s = then[i].velocity_m_s;

@@ -47,6 +47,12 @@ Vec3 turn_between(const Rotation& to, const Rotation& from) {
           (product(1, 0) - product(0, 1)) / 2};
 }
 
+Eigen::VectorXd vector(const std::vector<double>& state) {
+  return Eigen::Map<const Eigen::VectorXd>(state.data(), static_cast<Eigen::Index>(state.size()));
+}
+
+std::vector<double> numbers(const Eigen::VectorXd& vector) { return {vector.data(), vector.data() + vector.size()}; }
+
 BodyUncertainty larger(const BodyUncertainty& a, const BodyUncertainty& b) {
   return {std::fmax(a.position_m, b.position_m), std::fmax(a.turn_rad, b.turn_rad),
           std::fmax(a.spin_rad_s, b.spin_rad_s)};
@@ -58,16 +64,16 @@ TreeUncertainty::TreeUncertainty(const TreeEquations& equations, const Mechanism
                                  double start_error)
     : equations_(equations), mechanism_(mechanism), tolerances_(tolerances) {
   const std::vector<double>& start = equations.start();
-  const Vector y = Eigen::Map<const Vector>(start.data(), static_cast<Eigen::Index>(start.size()));
+  const Vector y = start_ = vector(start);
   const Vector error = (epsilon * (1 + y.array().abs()) + start_error).matrix();
   independent_ = aligned_ = Matrix(error.array().square().matrix().asDiagonal());
-  slopes_ = slopes(y);
   strides_.push_back({0, bound(y)});
 }
 
 void TreeUncertainty::follow(TreeMotion& tight, TreeMotion& loose) {
   ++steps_;
-  if (tight.end() - strides_.back().end_s >= longest_s_) finish(tight, loose);
+  if (tight.change() || tight.end() - strides_.back().end_s >= longest_s_) finish(tight, loose);
+  if (tight.change()) pass(tight);
 }
 
 void TreeUncertainty::finish(TreeMotion& tight, TreeMotion& loose) {
@@ -77,13 +83,14 @@ void TreeUncertainty::finish(TreeMotion& tight, TreeMotion& loose) {
     strides_.push_back({t, strides_.back().bound});
     return;
   }
-  const auto vector = [](const TreeMotion::State& state) {
-    return Vector(Eigen::Map<const Vector>(state.data(), static_cast<Eigen::Index>(state.size())));
-  };
   const Vector y = vector(tight.at(t));
-  stride(y, t);
+  stride(y, t, tight.grips());
   while (loose.end() < t) loose.advance();
-  compare(y, vector(loose.at(t)));
+  // Between a change of the one and that of the other they differ by it, which pass() bounds.
+  if (tight.changes() - (tight.change() && tight.change()->cause ? 1 : 0) ==
+      loose.changes() - (loose.change() && loose.change()->cause ? 1 : 0)) {
+    compare(y, vector(loose.at(t)));
+  }
   BodyUncertainty now = bound(y);
   if (strides_.back().bound.turn_rad > known_rad) now = larger(now, strides_.back().bound);
   strides_.push_back({t, now});
@@ -91,8 +98,10 @@ void TreeUncertainty::finish(TreeMotion& tight, TreeMotion& loose) {
 }
 
 /// Carries both ellipsoids on and adds the errors of the steps.
-void TreeUncertainty::stride(const Vector& y, double end_s) {
-  const Matrix before = std::exchange(slopes_, slopes(y));
+void TreeUncertainty::stride(const Vector& y, double end_s, const Grips& grips) {
+  if (fresh_) slopes_ = slopes(strides_.back().end_s, start_, grips);
+  fresh_ = false;
+  const Matrix before = std::exchange(slopes_, slopes(end_s, y, grips));
   const Matrix step = (end_s - strides_.back().end_s) / 2 * (before + slopes_);
   const Matrix one = Matrix::Identity(y.size(), y.size());
   const Matrix map = one + step * (one + step / 2 * (one + step / 3));
@@ -115,12 +124,72 @@ void TreeUncertainty::compare(const Vector& tight, const Vector& loose) {
   factor_ = std::fmax(factor_, ((tight - loose).cwiseAbs().cwiseQuotient(reach)).maxCoeff() / gain);
 }
 
-TreeUncertainty::Matrix TreeUncertainty::slopes(const Vector& y) const {
+/// Carries the errors through a change: S = R_y + (f+ - R_y f-) n^T / (n f-), of the jump R and the cause n (y), where
+/// f is the slope before and after.
+void TreeUncertainty::pass(const TreeMotion& tight) {
+  const TreeMotion::Change& change = *tight.change();
+  const Vector before = vector(change.before);
+  start_ = vector(change.after);
+  fresh_ = true;
+  Matrix map = differences(before, before.size(), [&](const Vector& above, const Vector& below) -> Vector {
+    return vector(change.jump(numbers(above))) - vector(change.jump(numbers(below)));
+  });
+  Vector located = Vector::Zero(before.size());  // what rounding of the time leaves
+  if (change.cause) {
+    Vector slope_before(before.size()), slope_after(before.size());
+    equations_(change.t, before.data(), slope_before.data(), tight.grips());
+    equations_(change.t, start_.data(), slope_after.data(), change.grips);
+    const Vector normal =
+        differences(before, 1, [&](const Vector& above, const Vector& below) {
+          return Vector::Constant(1, change.cause(change.t, numbers(above)) - change.cause(change.t, numbers(below)))
+              .eval();
+        }).transpose();
+    const double dt = std::cbrt(epsilon) * std::fmax(1, change.t);
+    const double in_time =
+        (change.cause(change.t + dt, change.before) - change.cause(change.t - dt, change.before)) / dt / 2;
+    const double rate = normal.dot(slope_before) + in_time;
+    const Vector jump = slope_after - map * slope_before;
+    const double unknown_s =
+        (factor_ * std::sqrt(normal.dot(independent_ * normal)) + bias * std::sqrt(normal.dot(aligned_ * normal))) /
+            std::fabs(rate) +
+        4 * epsilon * change.t;
+    jumps_.push_back({change.t, unknown_s, spin_jump(change)});
+    map += jump * normal.transpose() / rate;
+    located = 4 * epsilon * change.t * jump;
+  }
+  // What holds has its speed, and what is held by a stop its way, whatever they were before.
+  for (std::size_t i = 0; i < change.grips.size(); ++i) {
+    const Grip& grip = change.grips[i];
+    if (!grip.holds) continue;
+    map.row(static_cast<Eigen::Index>(equations_.axes()[i].speed)).setZero();
+    if (std::isinf(grip.least) || std::isinf(grip.most)) {
+      map.row(static_cast<Eigen::Index>(equations_.axes()[i].way)).setZero();
+    }
+  }
+  independent_ = map * independent_ * map.transpose() + located * located.transpose();
+  aligned_ = map * aligned_ * map.transpose();
+  independent_.diagonal() += step_error(start_).cwiseAbs2();
+  aligned_.diagonal() += step_error(start_).cwiseAbs2();
+  strides_.push_back({change.t, larger(bound(start_), strides_.back().bound)});
+}
+
+/// By how much the worst body's spin changes at once.
+double TreeUncertainty::spin_jump(const TreeMotion::Change& change) const {
+  std::vector<BodyState> before(mechanism_.bodies.size());
+  std::vector<BodyState> after(mechanism_.bodies.size());
+  equations_.show(change.before.data(), before);
+  equations_.show(change.after.data(), after);
+  double most = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) most = std::fmax(most, distance(before[i].spin, after[i].spin));
+  return most;
+}
+
+TreeUncertainty::Matrix TreeUncertainty::slopes(double t, const Vector& y, const Grips& grips) const {
   Vector high(y.size());
   Vector low(y.size());
   return differences(y, y.size(), [&](const Vector& above, const Vector& below) -> Vector {
-    equations_(above.data(), high.data());
-    equations_(below.data(), low.data());
+    equations_(t, above.data(), high.data(), grips);
+    equations_(t, below.data(), low.data(), grips);
     return high - low;
   });
 }
@@ -172,8 +241,12 @@ BodyUncertainty TreeUncertainty::bound(const Vector& y) const {
 
 BodyUncertainty TreeUncertainty::at(double t) const {
   const auto later = std::ranges::lower_bound(strides_, t, {}, &Stride::end_s);
-  if (later == strides_.begin()) return later->bound;
-  return larger(later->bound, (later - 1)->bound);
+  BodyUncertainty bound = later->bound;
+  if (later != strides_.begin()) bound = larger(bound, (later - 1)->bound);
+  for (const Jump& jump : jumps_) {
+    if (std::fabs(t - jump.t) <= jump.unknown_s) bound.spin_rad_s += jump.spin_rad_s;
+  }
+  return bound;
 }
 
 }  // namespace odeval::reference

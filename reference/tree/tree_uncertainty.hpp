@@ -11,6 +11,9 @@ namespace odeval::reference {
 /// The bound of reference_solution.hpp, U = f I + A / 5, with two ellipsoids of errors, I and A, in the numbers of a
 /// tree's state; read as an error of bodies, of the worst body's place, attitude and spin, in every direction.
 ///
+/// A change of what motors and stops do carries an error along by what it does to a state beside the true one, and by
+/// how much earlier or later it happens to that.
+///
 /// Jacobians are central differences of the equations. Steps of CVODE are taken together, to strides of as much time as
 /// a third-order transition is good for.
 class TreeUncertainty {
@@ -35,10 +38,12 @@ class TreeUncertainty {
     BodyUncertainty bound;  // at its end; the larger one of both ends holds within
   };
 
-  void stride(const Vector& y, double end_s);
+  void stride(const Vector& y, double end_s, const Grips& grips);
   void compare(const Vector& tight, const Vector& loose);
-  Matrix slopes(const Vector& y) const;
+  void pass(const TreeMotion& tight);
+  Matrix slopes(double t, const Vector& y, const Grips& grips) const;
   Matrix slopes_of_bodies(const Vector& y) const;
+  double spin_jump(const TreeMotion::Change& change) const;
   Vector step_error(const Vector& y) const;
   BodyUncertainty bound(const Vector& y) const;
 
@@ -47,11 +52,19 @@ class TreeUncertainty {
   Tolerances tolerances_;  // of the tight run
   Matrix independent_;     // I and A, as in error_spread.hpp
   Matrix aligned_;
-  Matrix slopes_;  // at the end of the last stride
+  Vector start_;       // the state at the start of the next stride, where there are no slopes yet
+  Matrix slopes_;      // at the end of the last stride
+  bool fresh_ = true;  // there are none: motors and stops have changed since
   double factor_ = 1;
   double longest_s_ = 0;  // that the next stride may be
   double steps_ = 0;      // since the last stride
   std::vector<Stride> strides_;
+  struct Jump {
+    double t;
+    double unknown_s;   // how much earlier or later it may be
+    double spin_rad_s;  // by how much the worst body's spin jumps
+  };
+  std::vector<Jump> jumps_;
 };
 
 }  // namespace odeval::reference

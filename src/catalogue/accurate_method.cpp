@@ -21,6 +21,7 @@ class AccurateStepper final : public engine_ode::WorldStepper {
         return touching ? std::optional(Bounce{touching->restitution, touching->friction}) : std::nullopt;
       };
     }
+    options.forces = world.loads;
     options.before_impact = [tell = world.before_impact](const Touch& touch) { tell(touch.t); };
     options.after_impact = [tell = world.after_impact](const Touch&) { tell(); };
     return options;

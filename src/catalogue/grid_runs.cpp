@@ -22,6 +22,8 @@ bool moves_the_reference(const std::string& key, const Scenario& scenario) {
   const auto is_key = [&](std::string_view other) { return other == key; };
   // ERP and CFM are another spring at each step.
   if (joints_are_springs(scenario) && (key == "step" || is_of_spring(key))) return true;
+  // Controllers that look once a step are others as well.
+  if (key == "step" && std::ranges::any_of(scenario.mechanism.joints, &Joint::sampled)) return true;
   return !is_engine_setting(key) && std::ranges::none_of(time_keys, is_key);
 }
 

@@ -49,8 +49,8 @@ constexpr Features chain_or_one_at_wall = any_chain | Features{Feature::wall};
 constexpr Features any_planar = chain_or_one_at_wall | Features{Feature::wall_of_several};
 constexpr Features touching_bodies = any_planar | Features{Feature::space, Feature::ground};
 constexpr Features joined_bodies{Feature::space, Feature::joints_in_space, Feature::inertia};
-constexpr Features accurate =
-    touching_bodies | joined_bodies | Features{Feature::friction, Feature::motors, Feature::stops};
+constexpr Features driven_bodies = joined_bodies | Features{Feature::motors, Feature::stops, Feature::loads};
+constexpr Features accurate = touching_bodies | driven_bodies | Features{Feature::friction};
 constexpr Features all_of_ode = accurate | Features{Feature::constant_friction, Feature::open_joints};
 constexpr Features closed_form{Feature::wall,
                                Feature::space,
@@ -116,7 +116,7 @@ std::vector<Method> methods_of_bodies() {
       {"maximal-ode-step", "one dWorldStep rebuilt", "ODE's own scheme, fixed step", 1, 0, 0, chain_or_one_at_wall,
        reference::make_maximal_ode_step, step_settings(), hinge_rows_cfm},
       {"mechanism-cvode", "Simbody's equations of a tree", "SUNDIALS CVODE, Adams: the reference of trees of bodies", 0,
-       tight.rtol, tight.atol, any_chain | joined_bodies, reference::mechanism_cvode, tolerance_settings(), mass_matrix,
+       tight.rtol, tight.atol, any_chain | driven_bodies, reference::mechanism_cvode, tolerance_settings(), mass_matrix,
        "this build has no Simbody (libsimbody-dev); scripts/install-deps installs it, then configure again"},
       {"analytic", "closed form", "elliptic functions and the like", 0, 0, 0, closed_form, reference::make_analytic,
        closed_form_settings(), mass_matrix},

@@ -33,7 +33,9 @@ Listing keys() {
   for (const KeyRow& row : key_table()) {
     std::string path;
     for (const SectionRow& section : section_table()) {
-      if (section.name == row.section) path = std::string(section.name) + (section.list ? ".0." : ".");
+      if (section.name != row.section) continue;
+      path = std::string(section.name) + (section.list ? ".0." : ".");
+      if (section.inner()) path.insert(path.find('.'), ".0");
     }
     const std::string fallback = row.required() ? "required" : "default: " + std::string(row.fallback);
     listing.rows.push_back(

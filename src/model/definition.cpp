@@ -57,6 +57,32 @@ void add_joint(Section section, const JointTable& joint) {
   if (joint.kind->axes > 0) section.add("axis", joint.axis);
 }
 
+void add_signal(Section& section, const char* constant, const Signal& signal) {
+  section.add(constant, signal.constant);
+  if (signal.amplitude != 0) {
+    section.add("amplitude", signal.amplitude).add("frequency", signal.frequency_Hz).add("phase", signal.phase_rad);
+  }
+  if (!signal.times_s.empty()) section.add("times", signal.times_s).add("values", signal.values);
+}
+
+void add_load(Section section, const JointSpring& spring) {
+  section.add("stiffness", spring.stiffness).add("damping", spring.damping).add("rest", spring.rest);
+}
+void add_load(Section section, const Signal& torque) { add_signal(section, "constant", torque); }
+void add_load(Section section, const Controller& controller) {
+  section.add("kp", controller.kp).add("kd", controller.kd).add("sampling", controller.sampled ? "step" : "continuous");
+  add_signal(section, "target", controller.target);
+}
+
+template <class Load>
+void add_loads(Definition& all, const char* list, const std::vector<LoadTable<Load>>& tables) {
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    Section section(all, fmt::format("{}.{}", list, i));
+    section.add("joint", tables[i].joint);
+    add_load(section, tables[i].load);
+  }
+}
+
 void add_joint_of_tree(Section section, const JointTable& joint) {
   section.add("kind", std::string(joint.kind->word))
       .add("parent", joint.parent)
@@ -64,6 +90,12 @@ void add_joint_of_tree(Section section, const JointTable& joint) {
       .add("anchor", joint.anchor_m);
   if (joint.kind->axes > 0) section.add("axis", joint.axis);
   if (joint.kind->axes > 1) section.add("axis2", joint.axis2);
+  if (!joint.name.empty()) section.add("name", joint.name);
+  if (joint.stop) {
+    section.add("stops", std::vector{joint.stop->low, joint.stop->high})
+        .add("stop_restitution", joint.stop->restitution);
+  }
+  if (joint.motor) section.add("motor.velocity", joint.motor->speed).add("motor.force", joint.motor->most);
 }
 
 }  // namespace
@@ -77,6 +109,9 @@ Definition definition_of(const Description& said) {
   for (const BodyTable& body : said.bodies) add_body({all, fmt::format("bodies.{}", number++)}, body);
   number = 0;
   for (const JointTable& joint : said.joints) add_joint_of_tree({all, fmt::format("joints.{}", number++)}, joint);
+  add_loads(all, "springs", said.springs);
+  add_loads(all, "torques", said.torques);
+  add_loads(all, "controllers", said.controllers);
   if (said.ground) add_ground({all, "ground"}, *said.ground, said.problem->friction);
   if (said.joint) add_joint({all, "joint"}, *said.joint);
   if (said.wall) {

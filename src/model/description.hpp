@@ -45,6 +45,17 @@ struct JointTable {
   Vec3 displacement_m{};  // from there to the first body's half at t = 0
   std::string parent;     // names of bodies, or of the parent "world"
   std::string child;
+  std::string name = {};  // empty: "joint" and its number, from 1
+  // As in a Joint, but of the child against the parent.
+  std::optional<Motor> motor = {};
+  std::optional<Stop> stop = {};
+};
+
+/// One table [[springs]], [[torques]] or [[controllers]]: what acts, and the name of the joint that it acts on.
+template <class Load>
+struct LoadTable {
+  std::string joint;
+  Load load{};
 };
 
 struct Description {
@@ -58,6 +69,9 @@ struct Description {
   std::optional<GroundTable> ground;
   std::optional<JointTable> joint;
   std::vector<JointTable> joints;
+  std::vector<LoadTable<JointSpring>> springs;
+  std::vector<LoadTable<Signal>> torques;
+  std::vector<LoadTable<Controller>> controllers;
 
   /// The body of that name; nothing without one.
   std::optional<std::size_t> body_named(std::string_view name) const;

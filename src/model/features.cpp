@@ -6,7 +6,7 @@
 namespace odeval {
 namespace {
 
-constexpr std::array<std::string_view, 13> names{
+constexpr std::array<std::string_view, 14> names{
     "bodies in space",
     "more than one link",
     "more than two links",
@@ -19,6 +19,7 @@ constexpr std::array<std::string_view, 13> names{
     "joints that start open",
     "motors",
     "stops",
+    "springs, torques and controllers of joints",
     "inertia tensors of their own",
 };
 
@@ -57,6 +58,7 @@ Features features_of(const Scenario& scenario) {
     if (joint.opening_m != Vec3{}) asked.add(Feature::open_joints);
     if (joint.motor) asked.add(Feature::motors);
     if (joint.stop) asked.add(Feature::stops);
+    if (joint.loaded()) asked.add(Feature::loads);
   }
   for (const Body& body : mechanism.bodies) {
     if (body.inertia_kgm2) asked.add(Feature::inertia);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numbers>
 #include <numeric>
 
 #include "model/draft.hpp"
@@ -29,6 +31,18 @@ void name_bodies(Draft& draft) {
     const std::size_t before = draft.said.body_named(name).value();
     if (before == i) continue;
     draft.fail(path_of("bodies", i, "name"), name, fmt::format("is the name of bodies.{} as well", before));
+  }
+}
+
+/// A name for each joint, no two the same.
+void name_joints(Draft& draft) {
+  std::vector<JointTable>& joints = draft.said.joints;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    std::string& name = joints[i].name;
+    if (name.empty()) name = fmt::format("joint{}", i + 1);
+    const auto before = std::ranges::find(joints, name, &JointTable::name) - joints.begin();
+    if (before == static_cast<std::ptrdiff_t>(i)) continue;
+    draft.fail(path_of("joints", i, "name"), name, fmt::format("is the name of joints.{} as well", before));
   }
 }
 
@@ -130,6 +144,67 @@ void settle_axes(Draft& draft, std::size_t number) {
   joint.axis2 = unit(joint.axis2 - along * joint.axis);
 }
 
+/// Motors and stops are of joints with one way to go, which starts between its stops.
+void check_drive(const Draft& draft, std::size_t number) {
+  const JointTable& joint = draft.said.joints[number];
+  const toml::table& table = *draft.tree["joints"][number].as_table();
+  for (const char* key : {"motor", "stops", "stop_restitution"}) {
+    if (!table.contains(key) || joint.kind->axes == 1) continue;
+    draft.fail(path_of("joints", number, key), "",
+               fmt::format("has no meaning for kind {}, but for a hinge or a slider; remove it", joint.kind->word),
+               Draft::Blame::parts);
+  }
+  if (!joint.stop) return;
+  const auto& [low, high, restitution] = *joint.stop;
+  const std::string path = path_of("joints", number, "stops");
+  if (!table.contains("stops")) draft.fail(path, "", "is missing, or stop_restitution is to be removed");
+  const std::string said = fmt::format("[{}, {}]", low, high);
+  if (!(low <= 0 && high >= 0 && low < high)) {
+    draft.fail(path, said, "must be a low and a high end with 0, where the joint starts, between them");
+  }
+  const double half_turn = std::numbers::pi;  // beyond, ODE counts an angle from the other side
+  if (joint.kind->word == "hinge" && !(low > -half_turn && high < half_turn)) {
+    draft.fail(path, said, "must lie within half a turn of a hinge, between -3.14159 and 3.14159 rad");
+  }
+}
+
+void check_signal(const Draft& draft, const std::string& path, const Signal& signal) {
+  if (signal.times_s.size() != signal.values.size()) {
+    draft.fail(path + ".values", fmt::format("{} numbers", signal.values.size()),
+               fmt::format("must be as many as times, {}", signal.times_s.size()));
+  }
+  if (std::ranges::adjacent_find(signal.times_s, std::greater_equal()) != signal.times_s.end()) {
+    draft.fail(path + ".times", "", "must rise from each to the next");
+  }
+}
+void check_signals(const Draft&, const std::string&, const JointSpring&) {}
+void check_signals(const Draft& draft, const std::string& path, const Signal& torque) {
+  check_signal(draft, path, torque);
+}
+void check_signals(const Draft& draft, const std::string& path, const Controller& controller) {
+  check_signal(draft, path, controller.target);
+}
+
+/// Each acts on a joint that is there, and has one way to go.
+template <class Load>
+void check_loads(const Draft& draft, const char* list, const std::vector<LoadTable<Load>>& tables) {
+  const std::vector<JointTable>& joints = draft.said.joints;
+  std::vector<std::string> names;
+  for (const JointTable& joint : joints) names.push_back(joint.name);
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const std::string path = fmt::format("{}.{}", list, i);
+    const auto found = std::ranges::find(joints, tables[i].joint, &JointTable::name);
+    if (found == joints.end()) {
+      draft.fail(path + ".joint", tables[i].joint, "is the name of no joint" + nearest_hint(tables[i].joint, names));
+    }
+    if (found->kind->axes != 1) {
+      draft.fail(path + ".joint", tables[i].joint,
+                 fmt::format("is of kind {}; it must be a hinge or a slider", found->kind->word));
+    }
+    check_signals(draft, path, tables[i].load);
+  }
+}
+
 /// Something can move, and moves at first as the joints let it.
 void check_start(const Draft& draft) {
   Scenario made;
@@ -167,7 +242,14 @@ void settle_joints(Draft& draft) {
                fmt::format("must be tables [[joints]], at least one, for {}", draft.said.problem->name));
   }
   check_tree(draft);
-  for (std::size_t i = 0; i < draft.said.joints.size(); ++i) settle_axes(draft, i);
+  name_joints(draft);
+  for (std::size_t i = 0; i < draft.said.joints.size(); ++i) {
+    settle_axes(draft, i);
+    check_drive(draft, i);
+  }
+  check_loads(draft, "springs", draft.said.springs);
+  check_loads(draft, "torques", draft.said.torques);
+  check_loads(draft, "controllers", draft.said.controllers);
   check_start(draft);
 }
 

@@ -1,6 +1,8 @@
 #include "odeval/mechanism.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace odeval {
 namespace {
@@ -50,6 +52,44 @@ std::size_t Body::long_axis() const {
 
 const Vec3& anchor_m(const JointKind& kind) {
   return std::visit([](const auto& joint) -> const Vec3& { return joint.anchor_m; }, kind);
+}
+
+double Signal::at(double t) const {
+  const double steady = constant + amplitude * std::sin(2 * std::numbers::pi * frequency_Hz * t + phase_rad);
+  if (times_s.empty()) return steady;
+  const auto later = static_cast<std::size_t>(std::ranges::upper_bound(times_s, t) - times_s.begin());
+  if (later == 0) return steady + values.front();
+  if (later == times_s.size()) return steady + values.back();
+  const double part = (t - times_s[later - 1]) / (times_s[later] - times_s[later - 1]);
+  return steady + values[later - 1] + part * (values[later] - values[later - 1]);
+}
+
+namespace {
+
+double load_of(const Controller& controller, double t, double q, double rate) {
+  return controller.kp * (controller.target.at(t) - q) - controller.kd * rate;
+}
+
+}  // namespace
+
+bool Joint::sampled() const { return std::ranges::any_of(controllers, &Controller::sampled); }
+
+double Joint::steady_load(double t, double q, double rate) const {
+  double load = 0;
+  for (const JointSpring& spring : springs) load -= spring.stiffness * (q - spring.rest) + spring.damping * rate;
+  for (const Signal& torque : torques) load += torque.at(t);
+  for (const Controller& controller : controllers) {
+    if (!controller.sampled) load += load_of(controller, t, q, rate);
+  }
+  return load;
+}
+
+double Joint::sampled_load(double t, double q, double rate) const {
+  double load = 0;
+  for (const Controller& controller : controllers) {
+    if (controller.sampled) load += load_of(controller, t, q, rate);
+  }
+  return load;
 }
 
 Freedom freedom_of(const JointKind& kind) {

@@ -32,12 +32,49 @@ Joint joint_of(const JointTable& table, bool pair) {
           .opening_m = table.displacement_m};
 }
 
+Signal turned_round(Signal signal) {
+  signal.constant = -signal.constant;
+  signal.amplitude = -signal.amplitude;
+  for (double& value : signal.values) value = -value;
+  return signal;
+}
+
+/// The same motor, stop and loads told of the second body against the first.
+Joint turned_round(Joint joint) {
+  if (joint.motor) joint.motor->speed = -joint.motor->speed;
+  if (joint.stop) *joint.stop = {-joint.stop->high, -joint.stop->low, joint.stop->restitution};
+  for (JointSpring& spring : joint.springs) spring.rest = -spring.rest;
+  for (Signal& torque : joint.torques) torque = turned_round(torque);
+  for (Controller& controller : joint.controllers) controller.target = turned_round(controller.target);
+  return joint;
+}
+
+template <class Load>
+std::vector<Load> loads_of(const std::string& joint, const std::vector<LoadTable<Load>>& tables) {
+  std::vector<Load> loads;
+  for (const LoadTable<Load>& table : tables) {
+    if (table.joint == joint) loads.push_back(table.load);
+  }
+  return loads;
+}
+
 /// The parent is the joint's first body, or its second where it is the world, which is never the first.
 Joint joint_of_tree(const Description& said, const JointTable& table) {
   const std::size_t child = said.body_named(table.child).value();
   const std::optional<std::size_t> parent = said.body_named(table.parent);
-  if (!parent) return {.kind = table.kind->make(table), .first = child, .second = {}};
-  return {.kind = table.kind->make(table), .first = *parent, .second = child};
+  Joint joint{.kind = table.kind->make(table),
+              .first = child,
+              .second = {},
+              .motor = table.motor,
+              .stop = table.stop,
+              .springs = loads_of(table.name, said.springs),
+              .torques = loads_of(table.name, said.torques),
+              .controllers = loads_of(table.name, said.controllers),
+              .name = table.name};
+  if (!parent) return joint;
+  joint.first = *parent;
+  joint.second = child;
+  return turned_round(std::move(joint));
 }
 
 void put_ground(Scenario& scenario, const GroundTable& table, bool friction) {

@@ -12,9 +12,14 @@ namespace odeval {
 
 namespace {
 
+const SectionRow* find_section(std::string_view name) {
+  const auto found = std::ranges::find(section_table(), name, &SectionRow::name);
+  return found == section_table().end() ? nullptr : &*found;
+}
+
 bool is_section(std::string_view name) {
-  return std::any_of(section_table().begin(), section_table().end(),
-                     [name](const SectionRow& section) { return section.name == name; });
+  const SectionRow* const section = find_section(name);
+  return section != nullptr && !section->inner();
 }
 
 // The nearest key by its full name or by its own: `erp` means `ode.erp`. Inside a list the same element is meant.
@@ -98,12 +103,35 @@ KeyValue value_of(const Draft& draft, const KeyRow& row, const toml::node& node,
   return value;
 }
 
+void read_table(Draft& draft, const toml::table& table, std::string_view section, const std::string& path);
+
+void read_inner(Draft& draft, const std::string& section, const toml::node& node, const std::string& path) {
+  const toml::table* const table = node.as_table();
+  if (table == nullptr) draft.fail(path, shown(node), fmt::format("must be a table [{}]", section));
+  draft.said.joints.back().motor.emplace();
+  read_table(draft, *table, section, path);
+}
+
+/// Adds an element to the list that a section's tables fill.
+void add_to(Draft& draft, std::string_view section) {
+  Description& said = draft.said;
+  if (section == "links") said.links.emplace_back();
+  if (section == "bodies") said.bodies.emplace_back();
+  if (section == "joints") said.joints.emplace_back();
+  if (section == "springs") said.springs.emplace_back();
+  if (section == "torques") said.torques.emplace_back();
+  if (section == "controllers") said.controllers.emplace_back().load.sampled = true;
+  if (section == "tolerances") draft.scenario.tolerances.emplace_back();
+}
+
 /// Reads one table: `section` names its rows, `path` says where it stands ("links.0").
 void read_table(Draft& draft, const toml::table& table, std::string_view section, const std::string& path) {
   for (const auto& [key, node] : table) {
     const KeyRow* row = find_key(section, key.str());
     if (row != nullptr) {
       row->put(draft.said, draft.scenario, value_of(draft, *row, node, joined(path, key.str())));
+    } else if (!section.empty() && find_section(joined(section, key.str())) != nullptr) {
+      read_inner(draft, joined(section, key.str()), node, joined(path, key.str()));
     } else if (!(section.empty() && is_section(key.str()))) {
       fail_unknown(draft, section, path, key.str(), node);
     }
@@ -132,15 +160,7 @@ void read_section(Draft& draft, const SectionRow& section, const toml::node& nod
     const std::string path = fmt::format("{}.{}", name, i);
     const toml::table* table = (*list)[i].as_table();
     if (table == nullptr) draft.fail(path, shown((*list)[i]), fmt::format("must be a table [[{}]]", name));
-    if (name == "links") {
-      draft.said.links.emplace_back();
-    } else if (name == "bodies") {
-      draft.said.bodies.emplace_back();
-    } else if (name == "joints") {
-      draft.said.joints.emplace_back();
-    } else {
-      draft.scenario.tolerances.emplace_back();
-    }
+    add_to(draft, name);
     read_table(draft, *table, name, path);
   }
 }
@@ -150,6 +170,7 @@ void read_section(Draft& draft, const SectionRow& section, const toml::node& nod
 void read_keys(Draft& draft) {
   read_table(draft, draft.tree, "", "");
   for (const SectionRow& section : section_table()) {
+    if (section.inner()) continue;
     if (const toml::node* node = draft.tree.get(section.name)) read_section(draft, section, *node);
   }
 }

@@ -36,12 +36,18 @@ std::vector<std::string> sprung_joint_names(const Names&) {
   return names;
 }
 const JointWord* joint_named(const std::string& word) { return std::ranges::find(joint_words, word, &JointWord::word); }
+std::vector<std::string> sampling_names(const Names&) { return {"step", "continuous"}; }
 std::vector<std::string> start_names(const Names&) { return {"as-given", "half-step"}; }
 std::vector<std::string> switch_names(const Names&) { return {"on", "off"}; }
 std::vector<std::string> method_names(const Names& names) { return names.methods; }
 std::vector<std::string> metric_names(const Names& names) { return names.metrics; }
 
 Spring& spring_of(Scenario& s) { return s.ode.spring ? *s.ode.spring : s.ode.spring.emplace(); }
+
+Stop& stop_of(Description& said) {
+  std::optional<Stop>& stop = said.joints.back().stop;
+  return stop ? *stop : stop.emplace();
+}
 
 Vec3 vector(const KeyValue& value) { return {value.numbers[0], value.numbers[1], value.numbers[2]}; }
 
@@ -142,6 +148,62 @@ constexpr KeyRow rows[] = {
   {"joints", "axis2",    numbers, "",      -1e3, 1e3,  false, nullptr, "[1, 0, 0]", "of a universal joint, fixed in the child, at right angles to the other; likewise",
       [](D& d, S&, const V& v) { d.joints.back().axis2 = vector(v); }, 3},
 
+  {"joints", "name",     label,   "",      0, 0,       false, nullptr, "joint and its number", "by which [[springs]], [[torques]] and [[controllers]] know it",
+      [](D& d, S&, const V& v) { d.joints.back().name = v.word; }},
+  {"joints", "stops",    numbers, "rad or m", -1e4, 1e4, false, nullptr, "none", "ends of the way of a hinge or a slider, the child against the parent, from where it stands at t = 0; those of a hinge within half a turn",
+      [](D& d, S&, const V& v) { stop_of(d).low = v.numbers[0]; stop_of(d).high = v.numbers[1]; }, 2},
+  {"joints", "stop_restitution", number, "", 0, 1,     false, nullptr, "0", "speed after striking a stop over speed before",
+      [](D& d, S&, const V& v) { stop_of(d).restitution = v.number; }},
+  {"joints.motor", "velocity", number, "rad/s or m/s", -1e3, 1e3, false, nullptr, "", "that it keeps, the child against the parent",
+      [](D& d, S&, const V& v) { d.joints.back().motor->speed = v.number; }},
+  {"joints.motor", "force", number, "N m or N", 0, 1e9, false, nullptr, "", "that it has at most",
+      [](D& d, S&, const V& v) { d.joints.back().motor->most = v.number; }},
+
+  {"springs", "joint",     label,  "",                 0, 0,      false, nullptr, "", "name of a hinge or a slider",
+      [](D& d, S&, const V& v) { d.springs.back().joint = v.word; }},
+  {"springs", "stiffness", number, "N m/rad or N/m",     0, 1e12,   false, nullptr, "0", "of the spring",
+      [](D& d, S&, const V& v) { d.springs.back().load.stiffness = v.number; }},
+  {"springs", "damping",   number, "N m s/rad or N s/m", 0, 1e12,   false, nullptr, "0", "of the damper beside it",
+      [](D& d, S&, const V& v) { d.springs.back().load.damping = v.number; }},
+  {"springs", "rest",      number, "rad or m",           -1e4, 1e4, false, nullptr, "0", "way at which it is relaxed, counted as stops are",
+      [](D& d, S&, const V& v) { d.springs.back().load.rest = v.number; }},
+
+  {"torques", "joint",     label,   "",         0, 0,      false, nullptr, "", "name of a hinge or a slider, of which it is a force",
+      [](D& d, S&, const V& v) { d.torques.back().joint = v.word; }},
+  {"torques", "constant",  number,  "N m or N", -1e9, 1e9, false, nullptr, "0", "on the child, against the parent",
+      [](D& d, S&, const V& v) { d.torques.back().load.constant = v.number; }},
+  {"torques", "amplitude", number,  "N m or N", -1e9, 1e9, false, nullptr, "0", "of a sine on top of it",
+      [](D& d, S&, const V& v) { d.torques.back().load.amplitude = v.number; }},
+  {"torques", "frequency", number,  "Hz",       0, 1e6,    false, nullptr, "0", "of the sine",
+      [](D& d, S&, const V& v) { d.torques.back().load.frequency_Hz = v.number; }},
+  {"torques", "phase",     number,  "rad",      -1e3, 1e3, false, nullptr, "0", "of the sine at t = 0",
+      [](D& d, S&, const V& v) { d.torques.back().load.phase_rad = v.number; }},
+  {"torques", "times",     numbers, "s",        -1e5, 1e5, false, nullptr, "none", "of a table on top of both, rising",
+      [](D& d, S&, const V& v) { d.torques.back().load.times_s = v.numbers; }},
+  {"torques", "values",    numbers, "N m or N", -1e9, 1e9, false, nullptr, "none", "at these times; straight lines between them, the first and the last beyond",
+      [](D& d, S&, const V& v) { d.torques.back().load.values = v.numbers; }},
+
+  {"controllers", "joint",    label,   "",                 0, 0,      false, nullptr, "", "name of a hinge or a slider",
+      [](D& d, S&, const V& v) { d.controllers.back().joint = v.word; }},
+  {"controllers", "kp",       number,  "N m/rad or N/m",     0, 1e12,   false, nullptr, "", "load over distance from the target",
+      [](D& d, S&, const V& v) { d.controllers.back().load.kp = v.number; }},
+  {"controllers", "kd",       number,  "N m s/rad or N s/m", 0, 1e12,   false, nullptr, "0", "load against the rate, over it",
+      [](D& d, S&, const V& v) { d.controllers.back().load.kd = v.number; }},
+  {"controllers", "sampling", word,    "",                 0, 0,      false, sampling_names, "step", "whether it looks once a step, and holds its load until the next, or at every moment",
+      [](D& d, S&, const V& v) { d.controllers.back().load.sampled = v.word == "step"; }},
+  {"controllers", "target",   number,  "rad or m",           -1e4, 1e4, false, nullptr, "0", "way to keep, counted as stops are",
+      [](D& d, S&, const V& v) { d.controllers.back().load.target.constant = v.number; }},
+  {"controllers", "amplitude", number, "rad or m",           -1e4, 1e4, false, nullptr, "0", "of a sine on top of it",
+      [](D& d, S&, const V& v) { d.controllers.back().load.target.amplitude = v.number; }},
+  {"controllers", "frequency", number, "Hz",                 0, 1e6,    false, nullptr, "0", "of the sine",
+      [](D& d, S&, const V& v) { d.controllers.back().load.target.frequency_Hz = v.number; }},
+  {"controllers", "phase",    number,  "rad",                -1e3, 1e3, false, nullptr, "0", "of the sine at t = 0",
+      [](D& d, S&, const V& v) { d.controllers.back().load.target.phase_rad = v.number; }},
+  {"controllers", "times",    numbers, "s",                  -1e5, 1e5, false, nullptr, "none", "of a table on top of both, rising",
+      [](D& d, S&, const V& v) { d.controllers.back().load.target.times_s = v.numbers; }},
+  {"controllers", "values",   numbers, "rad or m",           -1e4, 1e4, false, nullptr, "none", "at these times; straight lines between them, the first and the last beyond",
+      [](D& d, S&, const V& v) { d.controllers.back().load.target.values = v.numbers; }},
+
   {"ground", "slope",       number, "rad", -1.5, 1.5, false, nullptr, "0", "how steeply the ground falls towards +x",
       [](D& d, S&, const V& v) { d.ground->slope_rad = v.number; }},
   {"ground", "restitution", number, "",    0, 1,      false, nullptr, "0", "speed after an impact over speed before",
@@ -207,9 +269,10 @@ constexpr KeyRow rows[] = {
 };
 // clang-format on
 
-constexpr SectionRow sections[] = {{"links", true},  {"wall", false},    {"bodies", true},
-                                   {"joints", true}, {"ground", false},  {"joint", false},
-                                   {"ode", false},   {"maximal", false}, {"tolerances", true}};
+constexpr SectionRow sections[] = {{"links", true},         {"wall", false},   {"bodies", true},  {"joints", true},
+                                   {"joints.motor", false}, {"springs", true}, {"torques", true}, {"controllers", true},
+                                   {"ground", false},       {"joint", false},  {"ode", false},    {"maximal", false},
+                                   {"tolerances", true}};
 
 }  // namespace
 
@@ -217,7 +280,9 @@ std::span<const KeyRow> key_table() { return rows; }
 std::span<const SectionRow> section_table() { return sections; }
 std::vector<std::string> section_names() {
   std::vector<std::string> names;
-  for (const SectionRow& section : sections) names.emplace_back(section.name);
+  for (const SectionRow& section : sections) {
+    if (!section.inner()) names.emplace_back(section.name);
+  }
   return names;
 }
 

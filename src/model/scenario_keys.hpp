@@ -42,10 +42,12 @@ struct KeyRow {
   bool required() const { return fallback.empty(); }
 };
 
-/// A table of the file, or a list of tables.
+/// A table of the file, or a list of tables; with a dot in its name a table within each of a list.
 struct SectionRow {
   std::string_view name;
   bool list;
+
+  bool inner() const { return name.find('.') != std::string_view::npos; }
 };
 
 std::span<const KeyRow> key_table();

@@ -89,6 +89,32 @@ const Row rows[] = {
     {"joints.1.anchor", "[0.0, 0.0, 1.1]", {"-", "-", "-", "-", "-", "-", "-", "-", "RSQA"}},
     {"joints.2.axis", "[1.0, 0.0, 0.0]", {"-", "-", "-", "-", "-", "-", "-", "-", "RSQA"}},
     {"joints.0.axis2", "[1.0, 0.0, 0.0]", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"joints.0.name", "base", {"-", "-", "-", "-", "-", "-", "-", "-", ""}},
+    {"joints.1.stops", "[-0.01, 0.01]", {"-", "-", "-", "-", "-", "-", "-", "-", "RSQA"}},
+    {"joints.0.stop_restitution", "0.5", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"joints.0.motor.velocity", "2", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"joints.0.motor.force", "2", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"springs.0.joint", "1", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"springs.0.stiffness", "1", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"springs.0.damping", "1", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"springs.0.rest", "1", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"torques.0.joint", "1", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"torques.0.constant", "1", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"torques.0.amplitude", "1", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"torques.0.frequency", "1", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"torques.0.phase", "1", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"torques.0.times", "1", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"torques.0.values", "1", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"controllers.0.joint", "1", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"controllers.0.kp", "1", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"controllers.0.kd", "1", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"controllers.0.sampling", "1", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"controllers.0.target", "1", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"controllers.0.amplitude", "1", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"controllers.0.frequency", "1", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"controllers.0.phase", "1", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"controllers.0.times", "1", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
+    {"controllers.0.values", "1", {"-", "-", "-", "-", "-", "-", "-", "-", "-"}},
     {"ground.slope",           "0.1",              {"-",         "-",        "-",        "-",     "RSQA", "RSQA", "-",   "-", "-"}},
     {"ground.restitution",     "0.5",              {"-",         "-",        "-",        "-",     "RSQA", "SQ",  "-",   "-", "-"}},
     {"ground.friction",        "0.2",              {"-",         "-",        "-",        "-",     "-",    "RSQA", "-",   "-", "-"}},
@@ -206,7 +232,8 @@ void every_key_has_a_row() {
   for (const KeyRow& key : key_table()) {
     if (key.section == "tolerances" || key.name == "problem" || key.name == "methods") continue;
     const auto named = [&](const Row& row) {
-      const std::string text = row.key;
+      std::string text = row.key;
+      if (const std::size_t number = text.find(".0.motor"); number != std::string::npos) text.erase(number, 2);
       return text.starts_with(key.section) &&
              (text.ends_with("." + std::string(key.name)) || text == key.name || text == std::string(key.name) + ".0");
     };

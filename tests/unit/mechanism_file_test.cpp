@@ -1,5 +1,7 @@
 // Files of mechanisms: what becomes of their bodies and joints, and what is refused.
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <string>
 
 #include "model/read_scenario.hpp"
@@ -171,7 +173,6 @@ void bad_joints() {
   refuses("axis = [0, 3, 4]", "axis2 = [0, 3, 4]", "joints.1.axis2 has no meaning for kind hinge; remove it");
   refuses("kind = \"hinge\"\nparent = \"table\"", "kind = \"ball\"\nparent = \"table\"",
           "joints.1.axis has no meaning for kind ball; remove it");
-  refuses("axis = [0, 3, 4]", "stops = [0, 1]", "joints.1.stops = [0, 1]: is no known key");
   refused(arm.substr(0, arm.find("[[joints]]")), "joints is missing; mechanism needs [[joints]]");
   refused("joints = []\n" + arm.substr(0, arm.find("[[joints]]")), "joints = 0 tables: must be tables [[joints]]");
   refused(arm.substr(0, arm.find("[[bodies]]")) + arm.substr(arm.find("[[joints]]")), "bodies = 0 tables");
@@ -195,6 +196,122 @@ parent = "world"
 child = "body1"
 )",
           "joints leave nothing that can move");
+}
+
+// ---- What drives, stops and loads joints
+
+// The turntable hangs on the world, the forearm on the turntable: what is told of the child against the parent counts
+// the other way round there.
+const std::string driven = replaced(replaced(arm, "axis = [0, 0, 5]", R"(axis = [0, 0, 5]
+name = "base"
+stops = [-0.5, 1]
+stop_restitution = 0.3
+motor = {velocity = 2, force = 7})"),
+                                    "axis = [0, 3, 4]", R"(axis = [0, 3, 4]
+stops = [-0.25, 2]
+motor = {velocity = 3, force = 5})") +
+                           R"([[springs]]
+joint = "joint2"
+stiffness = 10
+damping = 0.5
+rest = 0.2
+[[torques]]
+joint = "joint2"
+constant = 1
+amplitude = 2
+frequency = 3
+phase = 0.5
+times = [0, 1]
+values = [0, 4]
+[[controllers]]
+joint = "joint2"
+kp = 6
+kd = 0.6
+target = 0.7
+[[controllers]]
+joint = "base"
+kp = 8
+sampling = "continuous"
+target = 0.1
+)";
+
+void what_acts_on_joints() {
+  const Mechanism mechanism = read(driven).mechanism;
+  const Joint& base = mechanism.joints[0];
+  CHECK_EQUAL(base.name, "base");
+  CHECK_EQUAL(base.stop->low, -0.5);
+  CHECK_EQUAL(base.stop->high, 1.0);
+  CHECK_EQUAL(base.stop->restitution, 0.3);
+  CHECK_EQUAL(base.motor->speed, 2.0);
+  CHECK_EQUAL(base.motor->most, 7.0);
+  CHECK(base.controllers.size() == 1 && !base.controllers[0].sampled);
+  CHECK_EQUAL(base.controllers[0].target.constant, 0.1);
+  CHECK(base.springs.empty() && base.torques.empty());
+
+  const Joint& elbow = mechanism.joints[1];
+  CHECK_EQUAL(elbow.name, "joint2");
+  CHECK_EQUAL(elbow.stop->low, -2.0);
+  CHECK_EQUAL(elbow.stop->high, 0.25);
+  CHECK_EQUAL(elbow.stop->restitution, 0.0);
+  CHECK_EQUAL(elbow.motor->speed, -3.0);
+  CHECK_EQUAL(elbow.motor->most, 5.0);
+  CHECK_EQUAL(elbow.springs.at(0).rest, -0.2);
+  CHECK(elbow.controllers.at(0).sampled);
+  // Of the child at 0.3 rad and 0.4 rad/s, which is the parent at -0.3 rad: each load pulls the other way.
+  const double t = 0.25;
+  const double torque = 1 + 2 * std::sin(2 * std::numbers::pi * 3 * t + 0.5) + 1;
+  CHECK_NEAR(elbow.steady_load(t, -0.3, -0.4), -(torque - 10 * (0.3 - 0.2) - 0.5 * 0.4), 1e-15);
+  CHECK_NEAR(elbow.sampled_load(t, -0.3, -0.4), -(6 * (0.7 - 0.3) - 0.6 * 0.4), 1e-15);
+  CHECK_NEAR(base.steady_load(t, 0.3, 0.4), 8 * (0.1 - 0.3), 1e-15);
+
+  const Definition all = read(driven).definition;
+  for (const char* key :
+       {"joints.0.name", "joints.0.stops", "joints.0.stop_restitution", "joints.1.motor.velocity",
+        "joints.1.motor.force", "springs.0.joint", "springs.0.stiffness", "springs.0.damping", "springs.0.rest",
+        "torques.0.constant", "torques.0.amplitude", "torques.0.frequency", "torques.0.phase", "torques.0.times",
+        "torques.0.values", "controllers.0.kp", "controllers.0.kd", "controllers.0.target", "controllers.1.sampling"}) {
+    CHECK(std::ranges::any_of(all, [&](const auto& setting) { return setting.first == key; }));
+  }
+}
+
+void a_signal_over_time() {
+  const Signal table{.constant = 1, .times_s = {1, 2, 4}, .values = {0, 10, -10}};
+  for (const auto& [t, value] : {std::pair{0.0, 1.0}, {1.0, 1.0}, {1.5, 6.0}, {2.0, 11.0}, {3.0, 1.0}, {9.0, -9.0}}) {
+    CHECK_NEAR(table.at(t), value, 1e-14);
+  }
+}
+
+void bad_drives() {
+  const auto wrong = [](const char* what, const char* with, const char* message) {
+    refused(replaced(driven, what, with), message);
+  };
+  wrong("stops = [-0.5, 1]", "stops = [0.5, 1]", "joints.0.stops = [0.5, 1]: must be a low and a high end with 0");
+  wrong("stops = [-0.5, 1]", "stops = [0, 0]", "joints.0.stops = [0, 0]: must be a low and a high end");
+  wrong("stops = [-0.5, 1]", "stops = [-4, 1]", "joints.0.stops = [-4, 1]: must lie within half a turn");
+  wrong("stops = [-0.5, 1]", "stops = [1]", "joints.0.stops = [1]: must be a list of 2 numbers");
+  wrong("stops = [-0.5, 1]\n", "", "joints.0.stops is missing, or stop_restitution is to be removed");
+  wrong("stop_restitution = 0.3", "stop_restitution = 1.5", "joints.0.stop_restitution = 1.5: must be a number from 0");
+  wrong("{velocity = 2, force = 7}", "{velocity = 2}", "joints.0.motor.force is missing");
+  wrong("{velocity = 2, force = 7}", "{velocity = 2, force = -7}", "joints.0.motor.force = -7: must be a number");
+  wrong("{velocity = 2, force = 7}", "{velocity = 2, force = 7, power = 3}",
+        "joints.0.motor.power = 3: is no known key");
+  wrong("motor = {velocity = 2, force = 7}", "motor = 7", "joints.0.motor = 7: must be a table [joints.motor]");
+  wrong("name = \"base\"", "name = \"joint2\"", "joints.1.name = joint2: is the name of joints.0 as well");
+  wrong("axis2 = [0, 1e-7, 3]", "axis2 = [0, 1e-7, 3]\nmotor = {velocity = 2, force = 7}",
+        "joints.2.motor has no meaning for kind universal");
+  wrong("joint = \"base\"", "joint = \"bass\"",
+        "controllers.1.joint = bass: is the name of no joint (nearest: 'base')");
+  wrong("joint = \"base\"", "joint = \"joint3\"",
+        "controllers.1.joint = joint3: is of kind universal; it must be a hinge");
+  wrong("stiffness = 10", "stiffness = -10", "springs.0.stiffness = -10: must be a number from 0");
+  wrong("stiffness = 10", "stifness = 10", "springs.0.stifness = 10: is no known key (nearest: 'springs.0.stiffness')");
+  wrong("kp = 6\n", "", "controllers.0.kp is missing");
+  wrong("sampling = \"continuous\"", "sampling = \"always\"", "controllers.1.sampling = 'always': must be one of step");
+  wrong("times = [0, 1]", "times = [1, 1]", "torques.0.times must rise from each to the next");
+  wrong("times = [0, 1]", "times = [0]", "torques.0.values = 2 numbers: must be as many as times, 1");
+  refused(driven + "[\"joints.motor\"]\nvelocity = 1\n", "joints.motor");
+  const std::string box = "problem = \"free_box\"\nduration = 1\n[[bodies]]\nmass = 1\nsize = [1, 1, 1]\n";
+  refused(box + "[[springs]]\njoint = \"joint1\"\n", "springs has no meaning for free_box; remove it");
 }
 
 // What a mechanism says has no meaning elsewhere.
@@ -226,6 +343,9 @@ int main() {
   bad_bodies();
   bad_joints();
   bad_starts();
+  what_acts_on_joints();
+  a_signal_over_time();
+  bad_drives();
   no_mechanism();
   settings_reach_in();
   return test::verdict();

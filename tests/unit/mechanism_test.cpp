@@ -232,6 +232,8 @@ std::string_view words_of(Feature feature) {
       return "motors";
     case Feature::stops:
       return "stops";
+    case Feature::loads:
+      return "springs, torques and controllers of joints";
     case Feature::inertia:
       return "inertia tensors of their own";
   }
@@ -269,6 +271,9 @@ void files_ask_for_what_they_hold() {
       {"spring_joint", {Feature::space, Feature::joints_in_space, Feature::open_joints}},
       {"open_hinge", {Feature::space, Feature::joints_in_space, Feature::open_joints}},
       {"three_link_arm", {Feature::space, Feature::joints_in_space, Feature::inertia}},
+      {"cart_pole", {Feature::space, Feature::joints_in_space, Feature::motors, Feature::stops, Feature::loads}},
+      {"acrobot", {Feature::space, Feature::joints_in_space, Feature::loads, Feature::inertia}},
+      {"motor_lift", {Feature::space, Feature::joints_in_space, Feature::motors}},
   };
   Names names{catalogue::method_names(), {}};
   for (const Quantity& row : quantities) names.metrics.emplace_back(row.name);

@@ -73,16 +73,15 @@ void what_is_not() {
   const Change motor = [](Scenario& s) { s.mechanism.joints[0].motor = Motor{1, 1}; };
   const Change stop = [](Scenario& s) { s.mechanism.joints[0].stop = Stop{-1, 1, 0}; };
   const Change tensor = [](Scenario& s) { s.mechanism.bodies[0].inertia_kgm2 = {1, 0, 0, 0, 1, 0, 0, 0, 1}; };
-  refused(of_bodies({box}, {pin}), motor, "bodies.toml: there is no reference for what has motors");
-  refused(of_bodies({box}, {pin}), stop, "there is no reference for what has stops");
-  refused(chain(2, LinkShape::box), motor, "chain.toml: there is no reference for what has motors");
-
+  const Change spring = [](Scenario& s) { s.mechanism.joints[0].springs = {{1, 0, 0}}; };
   const char* const together = "there is no reference for these bodies, joints and contacts together";
+  refused(chain(2, LinkShape::box), motor, with_trees ? together : "there is no reference for what has motors");
   refused(of_bodies({}), nothing, together);
   const Joint knee{.kind = BallJoint{}, .second = 1};
   for (const auto& [trees, change] :
-       {std::pair{of_bodies({box}), tensor}, std::pair{of_bodies({box, box}, {pin}), nothing},
-        std::pair{of_bodies({box, box}, {pin, knee}), nothing},
+       {std::pair{of_bodies({box}, {pin}), motor}, std::pair{of_bodies({box}, {pin}), stop},
+        std::pair{of_bodies({box}, {pin}), spring}, std::pair{of_bodies({box}), tensor},
+        std::pair{of_bodies({box, box}, {pin}), nothing}, std::pair{of_bodies({box, box}, {pin, knee}), nothing},
         std::pair{of_bodies({box}, {Joint{.kind = SliderJoint{}, .second = {}}}), nothing}}) {
     if (with_trees) {
       Scenario scenario = trees;

@@ -121,31 +121,36 @@ struct Drive {
   dJointID joint;
   const Joint& what;
 
-  void operator()(const BallJoint&) const { refuse("a ball joint has no axis for a motor or a stop"); }
-  void operator()(const SliderJoint&) const { refuse("a slider's motors and stops are not given to ODE"); }
-  void operator()(const UniversalJoint&) const { refuse("a universal joint's motors and stops are not given to ODE"); }
-  void operator()(const FixedJoint&) const { refuse("a fixed joint has no axis for a motor or a stop"); }
+  void operator()(const BallJoint&) const { refuse("a ball joint"); }
+  void operator()(const UniversalJoint&) const { refuse("a universal joint"); }
+  void operator()(const FixedJoint&) const { refuse("a fixed joint"); }
+  void operator()(const SliderJoint&) const { set(dJointSetSliderParam); }
   void operator()(const HingeJoint&) const {
-    if (what.motor) {
-      dJointSetHingeParam(joint, dParamVel, real(what.motor->speed_rad_s));
-      dJointSetHingeParam(joint, dParamFMax, real(what.motor->most_torque_Nm));
+    // ODE counts a hinge's angle within half a turn, and ignores ends that are not.
+    const double half_turn = std::numbers::pi;
+    if (what.stop && !(what.stop->low > -half_turn && what.stop->high < half_turn)) {
+      throw Fault("a stop of a hinge must have its ends within half a turn");
     }
-    if (what.stop) {
-      // ODE counts a hinge's angle within half a turn, and ignores ends that are not.
-      const double half_turn = std::numbers::pi;
-      if (!(what.stop->low_rad <= 0 && what.stop->low_rad > -half_turn && what.stop->high_rad >= 0 &&
-            what.stop->high_rad < half_turn)) {
-        throw Fault("a stop of a hinge must have its ends on either side of 0, within half a turn");
-      }
-      dJointSetHingeParam(joint, dParamLoStop, real(what.stop->low_rad));
-      dJointSetHingeParam(joint, dParamHiStop, real(what.stop->high_rad));
-      dJointSetHingeParam(joint, dParamBounce, real(what.stop->restitution));
-    }
+    set(dJointSetHingeParam);
   }
 
  private:
-  void refuse(const char* why) const {
-    if (what.motor || what.stop) throw Fault(why);
+  void set(void (*set_parameter)(dJointID, int, dReal)) const {
+    if (what.motor) {
+      set_parameter(joint, dParamVel, real(what.motor->speed));
+      set_parameter(joint, dParamFMax, real(what.motor->most));
+    }
+    if (what.stop) {
+      if (!(what.stop->low <= 0 && what.stop->high >= 0)) throw Fault("a stop must have its ends on either side of 0");
+      set_parameter(joint, dParamLoStop, real(what.stop->low));
+      set_parameter(joint, dParamHiStop, real(what.stop->high));
+      set_parameter(joint, dParamBounce, real(what.stop->restitution));
+    }
+  }
+  void refuse(const char* kind) const {
+    if (what.motor || what.stop || what.loaded()) {
+      throw Fault(kind + std::string(" has no one axis for motors, stops and loads"));
+    }
   }
 };
 

@@ -120,6 +120,7 @@ void Scene::add_joint(const Joint& joint, dJointID made) {
   dJointFeedback& feedback = *feedback_.emplace_back(std::make_unique<dJointFeedback>());
   dJointSetFeedback(made, &feedback);
   joint_forces_.push_back(joint.second ? feedback.f2 : feedback.f1);
+  loads_.add(made, joint);
 }
 
 /// A geom knows its number, counted from 1.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engines/ode/build_mechanism.hpp"
+#include "engines/ode/joint_loads.hpp"
 #include "odeval/scenario.hpp"
 
 namespace odeval::engine_ode {
@@ -43,6 +44,9 @@ class Scene {
   /// Of each joint on the body that it carries (Joint::carried), N, as of the last step.
   const std::vector<const dReal*>& joint_forces() const { return joint_forces_; }
 
+  /// What acts on joints; empty where nothing does.
+  JointLoads& loads() { return loads_; }
+
   /// How two geoms touch; null: they pass through each other.
   const Surface* surface_between(dGeomID first, dGeomID second) const;
 
@@ -72,6 +76,7 @@ class Scene {
   std::vector<BodyView> bodies_;
   std::vector<std::unique_ptr<dJointFeedback>> feedback_;  // ODE keeps pointers to them
   std::vector<const dReal*> joint_forces_;
+  JointLoads loads_;
   std::vector<std::string> names_;       // of geoms, by number
   std::vector<Surface> surfaces_;        // one a contact of the mechanism
   std::vector<const Surface*> of_pair_;  // by the numbers of two geoms; null: they pass through each other

@@ -16,13 +16,16 @@ SteppedSimulation::SteppedSimulation(const Scenario& scenario, const SampleGrid&
 
 SteppedSimulation::SteppedSimulation(const Scenario& scenario, const SampleGrid& grid, MakeStepper make_stepper)
     : SteppedSimulation(scenario, grid, StepFunction{}) {
-  SteppedWorld world{scene_.world(), scene_.space(), {}, {}, {}};
+  SteppedWorld world{scene_.world(), scene_.space(), {}, {}, {}, {}};
   if (touching_) {
     world.contact = [this](dGeomID first, dGeomID second) -> std::optional<Touching> {
       const Surface* const surface = scene_.surface_between(first, second);
       if (surface == nullptr) return std::nullopt;
       return Touching{surface->parameters.bounce, surface->parameters.mu};
     };
+  }
+  if (!scene_.loads().empty()) {
+    world.loads = [this](double after_s) { scene_.loads().apply(time_of(stepper_steps_) + after_s); };
   }
   world.before_impact = [this](double after_s) {
     ++contacts_;
@@ -76,11 +79,15 @@ std::string SteppedSimulation::when(const std::exception& what, const Outcome& o
 }
 
 void SteppedSimulation::step_once(long steps_done) {
+  if (!scene_.loads().empty()) scene_.loads().sample(time_of(steps_done));
   if (stepper_) {
     contacts_ = 0;
     stepper_->step(grid_.step_s);
     ++stepper_steps_;
-  } else if (touching_) {
+    return;
+  }
+  if (!scene_.loads().empty()) scene_.loads().apply(time_of(steps_done));
+  if (touching_) {
     step_with_contacts(steps_done);
   } else {
     step_world();

@@ -21,6 +21,7 @@ struct SteppedWorld {
   dxWorld* world;
   dxSpace* space;
   std::function<std::optional<Touching>(dxGeom*, dxGeom*)> contact;  // nothing: they pass through each other
+  std::function<void(double after_s)> loads;          // adds forces to the bodies as they are; empty: there are none
   std::function<void(double after_s)> before_impact;  // called with the world's bodies as they are just before
   std::function<void()> after_impact;                 // and just after
 };

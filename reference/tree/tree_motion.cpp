@@ -1,0 +1,212 @@
+#include "reference/tree/tree_motion.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "odeval/error.hpp"
+#include "reference/planar/wall_bounce.hpp"
+
+namespace odeval::reference {
+namespace {
+
+using Axis = TreeEquations::Axis;
+
+/// Times nearer than this, of t or of 1 s, are one.
+constexpr double same_time = 1e-11;
+
+/// Where a step is looked at for what has no turning points to go by.
+constexpr int looks = 4;
+
+/// So many changes without a way between them are no motion.
+constexpr int most_in_a_row = 100;
+
+void add_bends(std::vector<double>& bends, const Signal& signal) {
+  bends.insert(bends.end(), signal.times_s.begin(), signal.times_s.end());
+}
+
+double gap(const Axis& axis, const double* y, bool low) {
+  return low ? axis.q(y) - axis.joint.stop->low : axis.joint.stop->high - axis.q(y);
+}
+
+}  // namespace
+
+TreeMotion::TreeMotion(const TreeEquations& equations, const Scenario& scenario, Tolerances tolerances)
+    : equations_(equations),
+      name_(scenario.name),
+      step_s_(scenario.step_s),
+      grips_(equations.grips(0, equations.start().data())),
+      solver_(
+          equations.size(), [this](double t, const double* y, double* dydt) { equations_(t, y, dydt, grips_); },
+          tolerances, scenario.name, scenario.duration_s),
+      state_(equations.start()) {
+  for (const Axis& axis : equations.axes()) {
+    for (const Signal& torque : axis.joint.torques) add_bends(bends_, torque);
+    for (const Controller& controller : axis.joint.controllers) add_bends(bends_, controller.target);
+  }
+  std::ranges::sort(bends_);
+  solver_.start(0, state_.data());
+}
+
+double TreeMotion::next_known_time() const {
+  const double later = end_ + same_time * (1 + end_);
+  const auto bend = std::ranges::upper_bound(bends_, later);
+  double next = bend == bends_.end() ? std::numeric_limits<double>::infinity() : *bend;
+  if (equations_.samples()) next = std::fmin(next, step_s_ * (std::floor(later / step_s_) + 1));
+  return next;
+}
+
+void TreeMotion::advance() {
+  if (change_) {
+    grips_ = std::move(change_->grips);
+    solver_.start(end_, change_->after.data());
+    change_.reset();
+  }
+  begin_ = end_;
+  const double known = next_known_time();
+  if (std::isfinite(known)) solver_.end_by(known);
+  solver_.step();
+  end_ = solver_.end();
+  if (equations_.axes().empty()) return;
+  if (const std::optional<Event> event = first_event()) {
+    happen(*event);
+  } else if (end_ >= known) {
+    happen_at_known_time();
+  }
+}
+
+const TreeMotion::State& TreeMotion::at(double t) {
+  if (solver_.steps() > 0) solver_.interpolate(t, state_.data());
+  return state_;
+}
+
+std::optional<TreeMotion::Event> TreeMotion::first_event() {
+  std::optional<Event> first;
+  const auto take = [&](std::optional<double> t, std::size_t axis, std::optional<double> lets_go, bool strikes) {
+    if (t && (!first || *t < first->t)) first = Event{*t, axis, lets_go, strikes};
+  };
+  for (std::size_t i = 0; i < grips_.size(); ++i) {
+    const Axis& axis = equations_.axes()[i];
+    const Grip& grip = grips_[i];
+    if (axis.joint.stop) {
+      for (const bool low : {true, false}) {
+        const bool lies = grip.holds && std::isinf(low ? grip.most : grip.least);
+        if (!lies) take(first_touch(axis, low), i, {}, true);
+      }
+    }
+    if (axis.joint.motor && axis.joint.motor->most > 0 && !grip.holds) {
+      const double way = std::copysign(1, grip.force);
+      const double slack = TreeEquations::at_speed;
+      take(first_zero([&](double t) { return way * (axis.joint.motor->speed - axis.rate(at(t).data())); }, slack), i,
+           {}, false);
+    }
+    if (grip.holds) {
+      const auto force = [&](double t) { return equations_.holding(t, at(t).data(), grips_)[i]; };
+      const double slack = 0;
+      if (std::isfinite(grip.least)) {
+        take(first_zero([&](double t) { return force(t) - grip.least; }, slack), i, grip.least, false);
+      }
+      if (std::isfinite(grip.most)) {
+        take(first_zero([&](double t) { return grip.most - force(t); }, slack), i, grip.most, false);
+      }
+    }
+  }
+  return first;
+}
+
+/// The earliest time in the step at which the joint passes an end of its way. Within a step it turns once at most.
+std::optional<double> TreeMotion::first_touch(const Axis& axis, bool low) {
+  const auto height = [&](double t) { return gap(axis, at(t).data(), low); };
+  const auto rate = [&](double t) { return (low ? 1 : -1) * axis.rate(at(t).data()); };
+  const double rate_begin = rate(begin_);
+  const double rate_end = rate(end_);
+  double from = begin_;
+  double to = end_;
+  if (rate_begin < 0 && rate_end > 0) {
+    to = root(rate, from, to, rate_begin, rate_end);
+  } else if (rate_begin > 0 && rate_end < 0) {
+    from = root(rate, from, to, rate_begin, rate_end);
+  } else if (rate_end >= 0) {
+    return std::nullopt;
+  }
+  const double height_from = height(from);
+  const double height_to = height(to);
+  if (height_to >= 0) return std::nullopt;
+  return height_from > 0 ? root(height, from, to, height_from, height_to) : from;
+}
+
+/// The earliest time in the step at which a margin falls to 0 that is not below it at first, by more than a slack.
+std::optional<double> TreeMotion::first_zero(const std::function<double(double)>& margin, double slack) {
+  double from = begin_;
+  double at_from = margin(from);
+  for (int k = 1; k <= looks; ++k) {
+    const double to = k == looks ? end_ : begin_ + (end_ - begin_) * k / looks;
+    const double at_to = margin(to);
+    if (at_to < -slack) return at_from > 0 ? root(margin, from, to, at_from, at_to) : from;
+    from = to;
+    at_from = at_to;
+  }
+  return std::nullopt;
+}
+
+void TreeMotion::happen(const Event& event) {
+  const Axis& axis = equations_.axes()[event.axis];
+  Change change{event.t, at(event.t), {}, {}, {}, {}};
+  if (event.strikes) {
+    const double* const now = change.before.data();
+    const bool low = gap(axis, now, true) < gap(axis, now, false);
+    change.jump = [this, strike = equations_.strike(now, event.axis)](const State& y) {
+      return equations_.struck(y.data(), strike);
+    };
+    change.cause = [axis, low](double, const State& y) { return gap(axis, y.data(), low); };
+  } else if (event.lets_go) {
+    change.jump = [](const State& y) { return y; };
+    change.cause = [this, i = event.axis, grips = grips_](double t, const State& y) {
+      return equations_.holding(t, y.data(), grips)[i];
+    };
+  } else {
+    change.jump = [axis](State y) {
+      y[axis.speed] = axis.sign * axis.joint.motor->speed;
+      return y;
+    };
+    change.cause = [axis](double, const State& y) { return axis.rate(y.data()); };
+  }
+  change.after = change.jump(change.before);
+  std::optional<TreeEquations::Released> released;
+  if (event.lets_go) released = {event.axis, *event.lets_go};
+  change.grips = equations_.grips(event.t, change.after.data(), released);
+  ++changes_;
+  change_to(std::move(change));
+}
+
+void TreeMotion::happen_at_known_time() {
+  Change change{end_, at(end_), {}, {}, {}, {}};
+  change.jump = [this, t = end_](const State& y) { return equations_.sampled(t, y.data()); };
+  change.after = change.jump(change.before);
+  change.grips = equations_.grips(end_, change.after.data());
+  change_to(std::move(change));
+}
+
+void TreeMotion::change_to(Change change) {
+  in_a_row_ = change.t > begin_ ? 0 : in_a_row_ + 1;
+  if (in_a_row_ > most_in_a_row) {
+    throw MachineError(
+        fmt::format("reference for '{}': at t = {} s motors and stops change what they do without end; a "
+                    "shorter duration ends before it",
+                    name_, change.t));
+  }
+  // What locating leaves of the speed of a joint that holds.
+  for (std::size_t i = 0; i < change.grips.size(); ++i) {
+    if (!change.grips[i].holds) continue;
+    const Axis& axis = equations_.axes()[i];
+    const std::optional<Motor>& motor = axis.joint.motor;
+    const bool driven = motor && std::fabs(axis.rate(change.after.data()) - motor->speed) <= TreeEquations::at_speed;
+    change.after[axis.speed] = driven ? axis.sign * motor->speed : 0;
+  }
+  end_ = change.t;
+  change_ = std::move(change);
+}
+
+}  // namespace odeval::reference
