@@ -461,8 +461,12 @@ bool Flight::hold(State& state, double h) {
   }
   const double overlap = deepest_of(contacts_);
   if (overlap > options_.start_gap) {
-    refuse("an overlap of " + shown(overlap) + " m can not be pushed out; at most " + shown(options_.start_gap) +
-           " are left to later steps");
+    look(here_);
+    crowded_ = calm_steps;  // what came so near in this step is left to the crowd's scheme
+    if (deepest_of(contacts_) > options_.start_gap) {
+      refuse("an overlap of " + shown(overlap) + " m can not be pushed out; at most " + shown(options_.start_gap) +
+             " are left to later steps");
+    }
   }
   resting_ = std::move(rest);
   return touched;

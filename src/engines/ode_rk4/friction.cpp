@@ -26,9 +26,10 @@ constexpr int most_newtons = 20, most_softs = 4;
 constexpr Index most_rows = 150;
 constexpr double most_work = 5e6;  // cubes of the rows of its matrices, in one call: a millisecond or two
 constexpr int most_looks = 50;     // sweeps that bring it near enough, where where it was is not
-// Of friction and normal impulses in turn: to the end for a few bodies that stand; a heap goes on from where it was.
-constexpr int most_rounds = 30, most_rounds_of_many = 6;
-constexpr int most_sweeps = 100, most_sweeps_of_many = 20;
+// Of friction and normal impulses in turn: what is left after them is left to the next step, which goes on from there.
+constexpr int most_rounds = 6, most_sweeps_in_turn = 20;
+// Of friction alone, after a bounce.
+constexpr int most_sweeps = 1000, most_sweeps_of_many = 20;
 constexpr Index many = 24;  // rows of friction
 
 /// As good as it gets: `last` is what was left a round before.
@@ -204,43 +205,12 @@ VectorXd sticking(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing) 
   return p;
 }
 
-/// Normal impulses for given friction and friction for given normal impulses in turn, until they agree.
-VectorXd hold_in_turn(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing, VectorXd p) {
-  const Index m = rubbing.rows(), n = v.size() - m;
-  const MatrixXd normal = a.topLeftCorner(n, n);
-  const double soft = softness * normal.diagonal().maxCoeff();
-  const MatrixXd softened = normal + soft * MatrixXd::Identity(n, n);
-  const int rounds = m > many ? most_rounds_of_many : most_rounds;
-  for (int round = 0; round < rounds; ++round) {
-    const VectorXd was = p;
-    const VectorXd closing = v.head(n) + a.topRightCorner(n, m) * p.tail(m);
-    p.head(n) = complementary(softened, closing - soft * was.head(n));
-    p.tail(m) =
-        rub(a.bottomRightCorner(m, m), v.tail(m) + a.bottomLeftCorner(m, n) * p.head(n), rubbing, p.head(n), p.tail(m));
-    if ((p - was).cwiseAbs().maxCoeff() <= agreement * p.cwiseAbs().maxCoeff()) break;
-  }
-  return p;
-}
-
-}  // namespace
-
-VectorXd hold(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing, VectorXd p) {
-  if (v.size() <= most_rows) {
-    AtOnce solver(a, v, rubbing);
-    auto at_once = solver.solve(p);
-    if (!at_once) at_once = solver.solve(swept(a, v, rubbing, p));
-    if (!at_once) at_once = solver.solve(sticking(a, v, rubbing));
-    if (at_once && !adds_energy(a, v, *at_once)) return *at_once;
-  }
-  return hold_in_turn(a, v, rubbing, std::move(p));
-}
-
-/// By projected gradients, contact after contact.
-VectorXd rub(const MatrixXd& a, const VectorXd& speeds, const Rubbing& rubbing, const VectorXd& normal, VectorXd p) {
+/// Friction at contacts that push so much, by projected gradients, contact after contact.
+VectorXd sweep(const MatrixXd& a, const VectorXd& speeds, const Rubbing& rubbing, const VectorXd& normal, VectorXd p,
+               int sweeps) {
   VectorXd v = speeds + a * p;
   const double enough = rounding / 100 * speeds.cwiseAbs().maxCoeff();
-  const int sweeps = rubbing.rows() > many ? most_sweeps_of_many : most_sweeps;
-  for (int sweep = 0; sweep < sweeps; ++sweep) {
+  for (; sweeps > 0; --sweeps) {
     double moved = 0;
     for (std::size_t k = 0; k < rubbing.contact.size(); ++k) {
       const auto row = static_cast<Index>(2 * k);
@@ -259,6 +229,40 @@ VectorXd rub(const MatrixXd& a, const VectorXd& speeds, const Rubbing& rubbing, 
     if (moved <= enough) break;
   }
   return p;
+}
+
+/// Normal impulses for given friction and friction for given normal impulses in turn, until they agree.
+VectorXd hold_in_turn(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing, VectorXd p) {
+  const Index m = rubbing.rows(), n = v.size() - m;
+  const MatrixXd normal = a.topLeftCorner(n, n);
+  const double soft = softness * normal.diagonal().maxCoeff();
+  const MatrixXd softened = normal + soft * MatrixXd::Identity(n, n);
+  for (int round = 0; round < most_rounds; ++round) {
+    const VectorXd was = p;
+    const VectorXd closing = v.head(n) + a.topRightCorner(n, m) * p.tail(m);
+    p.head(n) = complementary(softened, closing - soft * was.head(n));
+    p.tail(m) = sweep(a.bottomRightCorner(m, m), v.tail(m) + a.bottomLeftCorner(m, n) * p.head(n), rubbing, p.head(n),
+                      p.tail(m), most_sweeps_in_turn);
+    if ((p - was).cwiseAbs().maxCoeff() <= agreement * p.cwiseAbs().maxCoeff()) break;
+  }
+  return p;
+}
+
+}  // namespace
+
+VectorXd hold(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing, VectorXd p) {
+  if (v.size() <= most_rows) {
+    AtOnce solver(a, v, rubbing);
+    auto at_once = solver.solve(p);
+    if (!at_once) at_once = solver.solve(swept(a, v, rubbing, p));
+    if (!at_once) at_once = solver.solve(sticking(a, v, rubbing));
+    if (at_once && !adds_energy(a, v, *at_once)) return *at_once;
+  }
+  return hold_in_turn(a, v, rubbing, std::move(p));
+}
+
+VectorXd rub(const MatrixXd& a, const VectorXd& speeds, const Rubbing& rubbing, const VectorXd& normal, VectorXd p) {
+  return sweep(a, speeds, rubbing, normal, std::move(p), rubbing.rows() > many ? most_sweeps_of_many : most_sweeps);
 }
 
 bool adds_energy(const MatrixXd& a, const VectorXd& v, const VectorXd& p) {
