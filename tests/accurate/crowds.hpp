@@ -50,4 +50,34 @@ inline void pile_of_50(World& world) {
   dCreatePlane(world.space, 0, -1, 0.2, -0.5);
 }
 
+constexpr double buggy_wheel = 0.18, buggy_turns = 10;  // m, rad/s
+
+/// Four wheels on sprung hinge2 joints, a little above the ground; the rear ones, locked ahead, drive it.
+inline void buggy(World& world) {
+  const dBodyID chassis = world.box(5, {0.9, 0.5, 0.2}, {0, 0, 0.3});
+  for (const double x : {0.35, -0.35}) {
+    for (const double y : {0.35, -0.35}) {
+      const dBodyID wheel = world.sphere(0.5, buggy_wheel, {x, y, 0.2});
+      const dJointID joint = dJointCreateHinge2(world.id, nullptr);
+      dJointAttach(joint, chassis, wheel);
+      dJointSetHinge2Anchor(joint, x, y, 0.2);
+      const dReal steering[] = {0, 0, 1, 0}, axle[] = {0, 1, 0, 0};
+      dJointSetHinge2Axes(joint, steering, axle);
+      dJointSetHinge2Param(joint, dParamSuspensionERP, 0.4);
+      dJointSetHinge2Param(joint, dParamSuspensionCFM, 0.02);
+      if (x > 0) {
+        dJointSetHinge2Param(joint, dParamFMax, 5);
+        dJointSetHinge2Param(joint, dParamLoStop, -0.5);
+        dJointSetHinge2Param(joint, dParamHiStop, 0.5);
+      } else {
+        dJointSetHinge2Param(joint, dParamLoStop, 0);
+        dJointSetHinge2Param(joint, dParamHiStop, 0);
+        dJointSetHinge2Param(joint, dParamVel2, -buggy_turns);
+        dJointSetHinge2Param(joint, dParamFMax2, 2);
+      }
+    }
+  }
+  dCreatePlane(world.space, 0, 0, 1, 0);
+}
+
 }  // namespace odeval::test

@@ -76,6 +76,34 @@ void check_scene(const Scene& scene, double restitution, const std::function<voi
   CHECK(step.crowded_steps() > 0 || options.most_impacts == 1);
 }
 
+/// Ten seconds: it falls on its wheels, gathers speed at the limit of its motors, and rolls on without slipping.
+void check_buggy() {
+  constexpr double h = 5e-3;
+  constexpr int steps = 2000;
+  World world;
+  buggy(world);
+  AccurateStepOptions options;
+  long evaluations = 0;
+  options.contact = [](dGeomID, dGeomID) { return std::optional(Bounce{0, 1}); };
+  options.forces = [&](double) { ++evaluations; };
+  AccurateStep step(world.id, world.space, options);
+  long all = 0, most = 0;
+  for (int k = 0; k < steps; ++k) {
+    evaluations = 0;
+    step(h);
+    all += evaluations;
+    most = std::max(most, evaluations);
+  }
+  const double speed = dBodyGetLinearVel(world.bodies[0])[0];
+  std::printf("%-12s %zu crowded steps; %.2f evaluations a step, at most %ld; overlap %.2g m, speed off by %.2g m/s\n",
+              "buggy", step.crowded_steps(), static_cast<double>(all) / steps, most, overlap(world),
+              std::fabs(speed) - buggy_turns * buggy_wheel);
+  CHECK_BETWEEN(static_cast<double>(all) / steps, 4, 3 * 4);
+  CHECK(most <= 80 * 4);  // where all wheels land and its motors come up to speed; 286 measured
+  CHECK_BETWEEN(overlap(world), 0, 1e-6);
+  CHECK_NEAR(std::fabs(speed), buggy_turns * buggy_wheel, 1e-6);
+}
+
 }  // namespace
 
 int main() {
@@ -92,5 +120,6 @@ int main() {
   for (const int most : {1, 4}) check_scene(scenes[0], 0, [=](AccurateStepOptions& o) { o.most_impacts = most; });
   check_scene(scenes[0], 0, [](AccurateStepOptions& o) { o.rest_speed = 0.05; });
   check_scene(scenes[0], 0, [](AccurateStepOptions& o) { o.impact_order = odeval::ImpactOrder::in_turn; });
+  check_buggy();
   return odeval::test::verdict();
 }

@@ -207,7 +207,7 @@ struct Watched {
   std::optional<AccurateStep> step;
   double energy = 0;
   Vector3d momentum, angular;
-  int impacts = 0;
+  int impacts = 0, losses = 0;
 };
 
 double fastest_spin(const World& world) {
@@ -228,7 +228,10 @@ std::vector<Vector3d> places(Random& random, int count) {
 }
 
 /// Some in a cluster that touch, some that fly at it; some on ball joints.
-int check_cluster(unsigned seed) {
+struct Counts {
+  int impacts, lossy;
+};
+Counts check_cluster(unsigned seed) {
   Random random(seed);
   World world(Vector3d::Zero());
   const Vector3d shift = random.vector(0.3);  // so that lattice places are rounded
@@ -272,24 +275,28 @@ int check_cluster(unsigned seed) {
     const double turned = jointed ? h * fastest_spin(world) : 0;
     const double rounding = energy_rounding + std::pow(turned, 5);
     CHECK_BETWEEN(kinetic(world), 0, energy * (1 + rounding));
-    // What joints press on each other rests, which loses what a step of it closes.
-    if (elastic && !jointed) CHECK_NEAR(kinetic(world), energy, energy * rounding);
+    // Elastic bodies keep it, but for the few that rest on each other and turn, or are pressed together by joints: rest
+    // loses what closes in a step.
+    if (elastic && kinetic(world) < energy * (1 - rounding)) ++watched.losses;
     CHECK_NEAR((world.momentum() - momentum).norm(), 0, 1e-11 * (1 + energy));
   }
-  return watched.impacts;
+  return {watched.impacts, watched.losses > 0 ? 1 : 0};
 }
 
 void check_clusters(unsigned count) {
-  int impacts = 0, failed = 0;
+  int impacts = 0, failed = 0, lossy = 0;
   for (unsigned seed = 1; seed <= count; ++seed) {
     try {
-      impacts += check_cluster(seed);
+      const Counts counts = check_cluster(seed);
+      impacts += counts.impacts;
+      lossy += counts.lossy;
     } catch (const odeval::AccurateStepError& error) {
       if (failed++ < 5) std::printf("cluster %u: %s\n", seed, error.what());
     }
   }
-  std::printf("%u clusters: %d impacts\n", count, impacts);
+  std::printf("%u clusters: %d impacts, %d elastic ones lost energy between impacts\n", count, impacts, lossy);
   CHECK(impacts > static_cast<int>(count));
+  CHECK_BETWEEN(lossy, 0, static_cast<int>(count) / 200 + 1);  // 11 of 20000 measured without joints, 1 of 1500 with
   CHECK_EQUAL(failed, 0);
 }
 
@@ -351,6 +358,7 @@ int main(int argc, char** argv) {
   check_random_problems();
   check_rows();
   check_newton();
+  check_cluster(10476);  // locked in between joints: once ended in an overlap that could not be pushed out
   check_clusters(argc > 1 ? static_cast<unsigned>(std::atoi(argv[1])) : 300);
   for (const double e : {1.0, 0.95, 0.5}) {
     check_row_of_four(e, ImpactOrder::together);

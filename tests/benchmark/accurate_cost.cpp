@@ -278,5 +278,6 @@ int main(int argc, char** argv) {
     crowd("stack of 10", odeval::test::stack_of_10, friction);
     crowd("pile of 50", odeval::test::pile_of_50, friction);
   }
+  crowd("buggy", odeval::test::buggy, 1);
   impacts();
 }

@@ -102,9 +102,9 @@ struct AccurateStepOptions {
 /// working. Joints, bodies and geoms that come and go or are changed are noticed at the next call.
 class AccurateStep {
  public:
-  /// Throws AccurateStepError for what is not supported: joints other than ball, hinge, slider, universal, fixed and
-  /// angular motors (dAMotorUser); stops of others than hinges and sliders; kinematic or disabled bodies; damping and
-  /// speed limits; options out of their range.
+  /// Throws AccurateStepError for what is not supported: linear motors, transmissions and dAMotorEuler; stops of
+  /// universal joints, of the turns of PU joints and of angular motors; limits of angular speed, the gyroscopic term
+  /// off; options out of their range.
   explicit AccurateStep(dxWorld* world, dxSpace* space = nullptr, AccurateStepOptions options = {});
   ~AccurateStep();
   AccurateStep(AccurateStep&&) noexcept;

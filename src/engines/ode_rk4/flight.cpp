@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "engines/ode_rk4/bodies.hpp"
 #include "engines/ode_rk4/refuse.hpp"
@@ -424,24 +425,34 @@ bool Flight::hold(State& state, double h) {
     std::erase_if(contacts_, [&](const Contact& contact) { return !rests(contact, state); });
   };
   at_rest();
-  if (!contacts_.empty()) motion_.project(state);  // the matrix of this pose, for the impulses
+  // The matrix of this pose, for the impulses; motors that hold go on holding while these act, if they can.
+  bool driven = h > 0 && motion_.has_motors();
+  if (!contacts_.empty()) motion_.project(state, driven);
   std::vector<Contact> rest = contacts_;
   for (int push = 0; push < most_pushes && !contacts_.empty(); ++push) {
     if (push > 0 && deepest_of(contacts_) <= 2 * rest_depth) break;
     const bool first = push == 0 && h > 0;
     if (first) recall();
-    const Impact impact(motion_, contacts_, state);
+    std::optional<Impact> impact(std::in_place, motion_, contacts_, state);
     const bool rubs = std::ranges::any_of(contacts_, [](const Contact& contact) { return contact.friction > 0; });
     const State free = state;
-    const Eigen::VectorXd impulses = impact.stop(state);
+    Eigen::VectorXd impulses = impact->stop(state);
+    const auto closes = [&](const Contact& contact) { return normal_speed(contact, state) < -options_.rest_speed; };
+    if (driven && (!motion_.bears(h) || std::ranges::any_of(contacts_, closes))) {
+      state = free;
+      motion_.project(state);
+      impact.emplace(motion_, contacts_, state);
+      impulses = impact->stop(state);
+    }
+    driven = false;
     std::vector<Twist> by;
     if (first && rubs) {
-      for (std::size_t i = 0; i < rest.size(); ++i) rest[i].push = impact.push_of(impulses, i);
-      sticks_ = impact.sticks_at(impulses, here_, state);
+      for (std::size_t i = 0; i < rest.size(); ++i) rest[i].push = impact->push_of(impulses, i);
+      sticks_ = impact->sticks_at(impulses, here_, state);
       by = follow(free, state, h);
     }
     const State before = state;
-    if (!(impact.push_out(rest_depth, state, by).size <= mendable)) {  // between jaws of joints
+    if (!(impact->push_out(rest_depth, state, by).size <= mendable)) {  // between jaws of joints
       state = before;
       break;
     }
@@ -450,8 +461,12 @@ bool Flight::hold(State& state, double h) {
   }
   const double overlap = deepest_of(contacts_);
   if (overlap > options_.start_gap) {
-    refuse("an overlap of " + shown(overlap) + " m can not be pushed out; at most " + shown(options_.start_gap) +
-           " are left to later steps");
+    look(here_);
+    crowded_ = calm_steps;  // what came so near in this step is left to the crowd's scheme
+    if (deepest_of(contacts_) > options_.start_gap) {
+      refuse("an overlap of " + shown(overlap) + " m can not be pushed out; at most " + shown(options_.start_gap) +
+             " are left to later steps");
+    }
   }
   resting_ = std::move(rest);
   return touched;

@@ -17,16 +17,18 @@ using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::VectorXd;
 
-constexpr double rounding = 1e-12;   // of the fastest speed, of the largest impulse
-constexpr double softness = 1e-6;    // of the contacts, against their own response; made up for from round to round
+constexpr double rounding = 1e-12;  // of the fastest speed, of the largest impulse
+// Of the contacts, against their own response; made up for from round to round.
+constexpr double softness = 1e-6, least_softness = 1e-11;
 constexpr double agreement = 1e-10;  // of the largest impulse: soft shares are rounded to that
 // Of Newton's method, and of the rounds that make up for softness; it has failed by then.
-constexpr int most_newtons = 20, most_softs = 6;
+constexpr int most_newtons = 20, most_softs = 4;
 constexpr Index most_rows = 150;
 constexpr double most_work = 5e6;  // cubes of the rows of its matrices, in one call: a millisecond or two
 constexpr int most_looks = 50;     // sweeps that bring it near enough, where where it was is not
-// Of friction and normal impulses in turn: to the end for a few bodies that stand; a heap goes on from where it was.
-constexpr int most_rounds = 100, most_rounds_of_many = 6;
+// Of friction and normal impulses in turn: what is left after them is left to the next step, which goes on from there.
+constexpr int most_rounds = 6, most_sweeps_in_turn = 20;
+// Of friction alone, after a bounce.
 constexpr int most_sweeps = 1000, most_sweeps_of_many = 20;
 constexpr Index many = 24;  // rows of friction
 
@@ -39,7 +41,7 @@ bool done(double left, double last, double scale) {
 /// the pieces of which they are smooth: a contact is open, sticks or slides.
 class Newton {
  public:
-  Newton(const MatrixXd& a, const Rubbing& rubbing) : a_(a), rubbing_(rubbing) {}
+  Newton(const MatrixXd& a, const Rubbing& rubbing, double& work) : a_(a), rubbing_(rubbing), work_(work) {}
 
   /// From p; nothing where it fails.
   std::optional<VectorXd> solve(const VectorXd& v, VectorXd p) {
@@ -126,42 +128,44 @@ class Newton {
 
   const MatrixXd& a_;
   const Rubbing& rubbing_;
-  double work_ = 0;
+  double& work_;
   std::vector<char> open_, slides_;
   std::vector<Index> rows_;
   VectorXd residual_, right_;
   MatrixXd matrix_;
 };
 
-/// By Newton's method, softened contacts pushing on from what they pushed in the round before.
+/// By Newton's method, softened contacts pushing on from what they pushed in the round before. Where contacts say
+/// nearly the same, that takes too many rounds of softer ones, and harder ones go on.
 class AtOnce {
  public:
-  AtOnce(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing)
-      : v_(v), soft_(softness * a.diagonal()), softened_(a), newton_(softened_, rubbing) {
-    softened_.diagonal() += soft_;
-  }
-  AtOnce(const AtOnce&) = delete;
-  AtOnce& operator=(const AtOnce&) = delete;
+  AtOnce(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing) : a_(a), v_(v), rubbing_(rubbing) {}
 
   /// From p; nothing where it fails.
   std::optional<VectorXd> solve(VectorXd p) {
-    double last = INFINITY;
-    for (int round = 0; round < most_softs; ++round) {
-      const auto now = newton_.solve(v_ - soft_.cwiseProduct(p), p);
-      if (!now) return std::nullopt;
-      const double given = soft_.cwiseProduct(*now - p).cwiseAbs().maxCoeff();
-      p = *now;
-      if (done(given, last, v_.cwiseAbs().maxCoeff())) return p;
-      last = given;
+    for (const double how : {softness, least_softness}) {
+      const VectorXd soft = how * a_.diagonal();
+      MatrixXd softened = a_;
+      softened.diagonal() += soft;
+      Newton newton(softened, rubbing_, work_);
+      double last = INFINITY;
+      for (int round = 0; round < most_softs; ++round) {
+        const auto now = newton.solve(v_ - soft.cwiseProduct(p), p);
+        if (!now) return std::nullopt;
+        const double given = soft.cwiseProduct(*now - p).cwiseAbs().maxCoeff();
+        p = *now;
+        if (done(given, last, v_.cwiseAbs().maxCoeff())) return p;
+        last = given;
+      }
     }
     return std::nullopt;
   }
 
  private:
+  const MatrixXd& a_;
   const VectorXd& v_;
-  VectorXd soft_;
-  MatrixXd softened_;
-  Newton newton_;
+  const Rubbing& rubbing_;
+  double work_ = 0;
 };
 
 /// Contact after contact, its normal and its friction: near the solution in most cases.
@@ -201,43 +205,12 @@ VectorXd sticking(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing) 
   return p;
 }
 
-/// Normal impulses for given friction and friction for given normal impulses in turn, until they agree.
-VectorXd hold_in_turn(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing, VectorXd p) {
-  const Index m = rubbing.rows(), n = v.size() - m;
-  const MatrixXd normal = a.topLeftCorner(n, n);
-  const double soft = softness * normal.diagonal().maxCoeff();
-  const MatrixXd softened = normal + soft * MatrixXd::Identity(n, n);
-  const int rounds = m > many ? most_rounds_of_many : most_rounds;
-  for (int round = 0; round < rounds; ++round) {
-    const VectorXd was = p;
-    const VectorXd closing = v.head(n) + a.topRightCorner(n, m) * p.tail(m);
-    p.head(n) = complementary(softened, closing - soft * was.head(n));
-    p.tail(m) =
-        rub(a.bottomRightCorner(m, m), v.tail(m) + a.bottomLeftCorner(m, n) * p.head(n), rubbing, p.head(n), p.tail(m));
-    if ((p - was).cwiseAbs().maxCoeff() <= agreement * p.cwiseAbs().maxCoeff()) break;
-  }
-  return p;
-}
-
-}  // namespace
-
-VectorXd hold(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing, VectorXd p) {
-  if (v.size() <= most_rows) {
-    AtOnce solver(a, v, rubbing);
-    auto at_once = solver.solve(p);
-    if (!at_once) at_once = solver.solve(swept(a, v, rubbing, p));
-    if (!at_once) at_once = solver.solve(sticking(a, v, rubbing));
-    if (at_once && !adds_energy(a, v, *at_once)) return *at_once;
-  }
-  return hold_in_turn(a, v, rubbing, std::move(p));
-}
-
-/// By projected gradients, contact after contact.
-VectorXd rub(const MatrixXd& a, const VectorXd& speeds, const Rubbing& rubbing, const VectorXd& normal, VectorXd p) {
+/// Friction at contacts that push so much, by projected gradients, contact after contact.
+VectorXd sweep(const MatrixXd& a, const VectorXd& speeds, const Rubbing& rubbing, const VectorXd& normal, VectorXd p,
+               int sweeps) {
   VectorXd v = speeds + a * p;
   const double enough = rounding / 100 * speeds.cwiseAbs().maxCoeff();
-  const int sweeps = rubbing.rows() > many ? most_sweeps_of_many : most_sweeps;
-  for (int sweep = 0; sweep < sweeps; ++sweep) {
+  for (; sweeps > 0; --sweeps) {
     double moved = 0;
     for (std::size_t k = 0; k < rubbing.contact.size(); ++k) {
       const auto row = static_cast<Index>(2 * k);
@@ -256,6 +229,40 @@ VectorXd rub(const MatrixXd& a, const VectorXd& speeds, const Rubbing& rubbing, 
     if (moved <= enough) break;
   }
   return p;
+}
+
+/// Normal impulses for given friction and friction for given normal impulses in turn, until they agree.
+VectorXd hold_in_turn(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing, VectorXd p) {
+  const Index m = rubbing.rows(), n = v.size() - m;
+  const MatrixXd normal = a.topLeftCorner(n, n);
+  const double soft = softness * normal.diagonal().maxCoeff();
+  const MatrixXd softened = normal + soft * MatrixXd::Identity(n, n);
+  for (int round = 0; round < most_rounds; ++round) {
+    const VectorXd was = p;
+    const VectorXd closing = v.head(n) + a.topRightCorner(n, m) * p.tail(m);
+    p.head(n) = complementary(softened, closing - soft * was.head(n));
+    p.tail(m) = sweep(a.bottomRightCorner(m, m), v.tail(m) + a.bottomLeftCorner(m, n) * p.head(n), rubbing, p.head(n),
+                      p.tail(m), most_sweeps_in_turn);
+    if ((p - was).cwiseAbs().maxCoeff() <= agreement * p.cwiseAbs().maxCoeff()) break;
+  }
+  return p;
+}
+
+}  // namespace
+
+VectorXd hold(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing, VectorXd p) {
+  if (v.size() <= most_rows) {
+    AtOnce solver(a, v, rubbing);
+    auto at_once = solver.solve(p);
+    if (!at_once) at_once = solver.solve(swept(a, v, rubbing, p));
+    if (!at_once) at_once = solver.solve(sticking(a, v, rubbing));
+    if (at_once && !adds_energy(a, v, *at_once)) return *at_once;
+  }
+  return hold_in_turn(a, v, rubbing, std::move(p));
+}
+
+VectorXd rub(const MatrixXd& a, const VectorXd& speeds, const Rubbing& rubbing, const VectorXd& normal, VectorXd p) {
+  return sweep(a, speeds, rubbing, normal, std::move(p), rubbing.rows() > many ? most_sweeps_of_many : most_sweeps);
 }
 
 bool adds_energy(const MatrixXd& a, const VectorXd& v, const VectorXd& p) {

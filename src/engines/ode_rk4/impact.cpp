@@ -13,7 +13,7 @@ namespace {
 std::size_t index(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
 constexpr double rounding = 1e-12;  // of the fastest speed, of the largest impulse
-constexpr double sliding = 1e-9;    // m/s: slower is sticking, to what friction is solved to
+constexpr double sliding = 1e-7;    // m/s: slower is sticking, within 1e-10 m in a step of a millisecond
 constexpr int most_rounds = 100;    // of friction that makes what does not bounce close, and is stopped
 constexpr double held = 1e-12;  // of the change of speed that bodies without joints would have: a thousand roundings
 

@@ -113,7 +113,7 @@ struct Motor {
   double velocity;  // of a against b, m/s or rad/s
   double most;      // N or N m
   Drive drive = Drive::released;
-  double force = 0;  // on a, while it pushes
+  double force = 0;  // on a, while it pushes; while it holds, at the end of the last motion
 };
 
 /// How far a hinge may turn or a slider may slide, of a against b.

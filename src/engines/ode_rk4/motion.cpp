@@ -17,6 +17,7 @@ constexpr double redundant_pivot = 1e-12;
 constexpr double small_correction = 1e-7;
 // Of a motor's velocity, and m/s or rad/s: it is there. Found to rounding by those who look for it.
 constexpr double reached = 1e-9;
+constexpr double no_time = 1e-3;          // of a step
 constexpr double limit_rounding = 1e-12;  // of a motor's limit
 // Of h k h / m + h d / m: Runge's method of the fourth order bears 2.78.
 constexpr double stiffest = 2;
@@ -231,6 +232,7 @@ void Motion::wake() {
 }
 
 void Motion::prepare(double h) {
+  step_ = h;
   if (has_motors()) read_motors(mechanism_);
   wake();
   for (const std::size_t i : damped_) {
@@ -274,6 +276,18 @@ double Motion::motor_force(const MotorPlace& place) const {
   return lambda_[place.joint][row];
 }
 
+/// Its limit brings it to its velocity in no time to speak of: contacts, which act at the end of a step, disturb it by
+/// as much, and to look for the moment would cost more than the step.
+bool Motion::nearly_there(const MotorPlace& place, const State& state) const {
+  const Joint& joint = mechanism_.joints[place.joint];
+  const Motor& motor = place.of(mechanism_);
+  const MotorLine line = line_of(joint, motor, state, turns_);
+  State rates = state;
+  for (std::size_t i = 0; i < rates.size(); ++i) rates[i].twist = acceleration_[i];
+  const double fast = too_fast(place, state), rate = motor_speed(joint, line, motor.slides, rates);
+  return fast * rate < 0 && std::fabs(fast) <= no_time * step_ * std::fabs(rate);
+}
+
 void Motion::drive(const State& state, Forces& forces, double t, std::span<const std::size_t> broken) {
   stage_ = state;
   look(state);
@@ -295,6 +309,12 @@ void Motion::drive(const State& state, Forces& forces, double t, std::span<const
     bool changed = false;
     for (std::size_t m = 0; m < motors_.size(); ++m) {
       Motor& motor = motors_[m].of(mechanism_);
+      if (at_speed[m] == 0 && motor.most > 0 && nearly_there(motors_[m], state)) {
+        at_speed[m] = 1;
+        motor.drive = Drive::holds;
+        changed = true;
+        continue;
+      }
       if (at_speed[m] == 0 || decided[m] != 0) continue;
       if (motor.drive == Drive::holds && std::fabs(motor_force(motors_[m])) > motor.most * (1 + limit_rounding)) {
         let_slip(m);
@@ -316,14 +336,22 @@ void Motion::beyond(const State& state, Forces& forces, double t, std::vector<do
   feel(state, forces, t);
   shares.resize(motors_.size());
   for (std::size_t m = 0; m < motors_.size(); ++m) {
-    const Motor& motor = motors_[m].of(mechanism_);
+    Motor& motor = motors_[m].of(mechanism_);
     if (motor.drive == Drive::holds) {
-      shares[m] = std::fabs(motor_force(motors_[m])) / motor.most - 1 - limit_rounding;
+      motor.force = motor_force(motors_[m]);
+      shares[m] = std::fabs(motor.force) / motor.most - 1 - limit_rounding;
     } else {
       const double fast = too_fast(motors_[m], state);
       shares[m] = (motor.force > 0 ? fast : motor.force < 0 ? -fast : -1) / (1 + std::fabs(motor.velocity));
     }
   }
+}
+
+bool Motion::bears(double h) const {
+  return std::ranges::all_of(motors_, [&](const MotorPlace& place) {
+    const Motor& motor = place.of(mechanism_);
+    return motor.drive != Drive::holds || std::fabs(motor.force * h + motor_force(place)) <= motor.most * h;
+  });
 }
 
 JointErrors Motion::step(const State& from, Forces& forces, double h, State& to) {
@@ -384,8 +412,8 @@ JointError Motion::displace(const std::vector<Twist>& by, State& state) {
   return project(state).after;
 }
 
-JointErrors Motion::project(State& state) {
-  release();
+JointErrors Motion::project(State& state, bool hold_on) {
+  if (!hold_on) release();
   look(state);
   factor();
   return finish(state);

@@ -71,9 +71,12 @@ class Motion {
   /// Makes it push as it held.
   void let_slip(std::size_t motor);
 
-  /// Moves poses onto the joints, then velocities, with motors released. Errors: as found, and what could not be
-  /// mended.
-  JointErrors project(State& state);
+  /// Moves poses onto the joints, then velocities, with motors released, or those that hold holding on. Errors: as
+  /// found, and what could not be mended.
+  JointErrors project(State& state, bool hold_on = false);
+  /// After impulses of `respond` that stand for forces over a time h: have motors that hold on borne them within their
+  /// limits?
+  bool bears(double h) const;
 
   /// The change of all velocities that impulses (N s, N m s) on bodies make, joints kept, at the pose of the last
   /// `project` or `displace`.
@@ -118,6 +121,7 @@ class Motion {
   void feel(const State& state, Forces& forces, double t);
   double too_fast(const MotorPlace& place, const State& state) const;
   double motor_force(const MotorPlace& place) const;
+  bool nearly_there(const MotorPlace& place, const State& state) const;
   void correct(State& state);                   // poses, once, by the errors of the rows
   void solve_onto(std::vector<Twist>& twists);  // twists -= M^-1 J' A^-1 (J twists + right-hand side in lambda_)
 
@@ -125,6 +129,7 @@ class Motion {
   BlockLdl matrix_;
   std::vector<char> jointed_;
   std::vector<MotorPlace> motors_;
+  double step_ = 0;                  // s, of the user's
   std::vector<std::size_t> sprung_;  // joints
   std::vector<std::size_t> damped_;  // bodies
   std::vector<Matrix3d> turns_;
