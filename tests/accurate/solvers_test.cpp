@@ -30,6 +30,7 @@ struct Both {
   Motion along_tree, by_blocks;
   State of_tree, of_blocks;
   Forces forces;
+  std::vector<dJointFeedback> feedback;  // or the joints' forces are not kept
 
   Both(const World& world, int order)
       : along_tree(read_mechanism(world.id, world.space, {}), order),
@@ -37,6 +38,9 @@ struct Both {
     read_state(along_tree.mechanism(), of_tree);
     read_forces(world.id, along_tree.mechanism(), forces.now);
     of_blocks = of_tree;
+    const std::vector<Joint>& joints = along_tree.mechanism().joints;
+    feedback.resize(joints.size());
+    for (std::size_t j = 0; j < joints.size(); ++j) dJointSetFeedback(joints[j].id, &feedback[j]);
   }
   void step(double h) {
     const State from_tree = of_tree, from_blocks = of_blocks;

@@ -35,10 +35,12 @@ Eigen::Vector4d turn_rate(const Vector3d& w, const Eigen::Vector4d& q) {
 }
 
 void turn_by(const Vector3d& angle, Eigen::Vector4d& q) {
-  const double size = angle.norm();
-  const double half = size / 2;
-  const double sine = size > 0 ? std::sin(half) / size : 0.5;
-  const double w = std::cos(half);
+  // Of half the angle; of a small one by series: what they leave out is below 1e-17.
+  const double square = angle.squaredNorm() / 4;
+  const bool small = square < 1e-8;
+  const double half = small ? 0 : std::sqrt(square);
+  const double sine = small ? 0.5 - square / 12 : std::sin(half) / (2 * half);
+  const double w = small ? 1 - square / 2 : std::cos(half);
   const Vector3d u = sine * angle;
   const Vector3d v = q.tail<3>();
   const double scalar = w * q[0] - u.dot(v);
@@ -274,30 +276,37 @@ void Motion::beyond(const State& state, Forces& forces, double t, std::vector<do
 }
 
 JointErrors Motion::step(const State& from, Forces& forces, double h, State& to) {
-  const auto add = [h](const RungeKutta::Part& part, const std::vector<Rate>& rates, State& state) {
-    const double share = part.share * h;
-    for (std::size_t i = 0; i < state.size(); ++i) {
-      state[i].pose.position += share * rates[i].position;
-      state[i].pose.turn += share * rates[i].turn;
-      state[i].twist.linear += share * rates[i].twist.linear;
-      state[i].twist.angular += share * rates[i].twist.angular;
+  const auto combine = [&](std::span<const RungeKutta::Part> parts, State& sum) {
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      BodyNow& body = sum[i];
+      body = from[i];
+      for (const RungeKutta::Part& part : parts) {
+        const Rate& rate = rates_[part.stage][i];
+        const double share = part.share * h;
+        body.pose.position += share * rate.position;
+        body.pose.turn += share * rate.turn;
+        body.twist.linear += share * rate.twist.linear;
+        body.twist.angular += share * rate.twist.angular;
+      }
     }
   };
   JointError start_error;
   for (std::size_t s = 0; s < formula_->stages.size(); ++s) {
     const RungeKutta::Stage& stage = formula_->stages[s];
-    stage_ = from;
-    for (const RungeKutta::Part& part : stage.from) add(part, rates_[part.stage], stage_);
+    combine(stage.from, stage_);
     if (forces.renew) forces.renew(forces.start + stage.at * h, stage_, forces.now);
     accelerate(stage_, forces.now);
     if (s == 0) start_error = largest_error();
     for (std::size_t i = 0; i < stage_.size(); ++i) {
       const BodyNow& here = stage_[i];
-      rates_[s][i] = {here.twist.linear, turn_rate(here.twist.angular, here.pose.turn), acceleration_[i]};
+      Rate& rate = rates_[s][i];
+      rate.position = here.twist.linear;
+      rate.turn = turn_rate(here.twist.angular, here.pose.turn);
+      rate.twist = acceleration_[i];
     }
   }
-  to = from;
-  for (const RungeKutta::Part& part : formula_->weights) add(part, rates_[part.stage], to);
+  to.resize(from.size());
+  combine(formula_->weights, to);
   if (tree_) {
     tree_->keep_forces();
   } else {
@@ -305,12 +314,13 @@ JointErrors Motion::step(const State& from, Forces& forces, double h, State& to)
     std::swap(rows_of_stage_, rows_);
   }
   look(to);
-  if (!(largest_error().size < small_correction)) factor();  // or the last stage's matrix, near enough, will do
-  return {start_error, finish(to).after};                    // which makes unit quaternions
+  const JointError found = largest_error();
+  if (!(found.size < small_correction)) factor();  // or the last stage's matrix, near enough, will do
+  return {start_error, finish(to, found).after};   // which makes unit quaternions
 }
 
-JointError Motion::largest_error() const {
-  if (tree_) return tree_->largest_error();
+JointError Motion::largest_error() {
+  if (tree_) return tree_->find_gaps();
   JointError largest;
   for (std::size_t j = 0; j < rows_.size(); ++j) {
     const double error = rows_[j].error.cwiseAbs().maxCoeff();
@@ -332,12 +342,12 @@ JointErrors Motion::project(State& state) {
   if (tree_) turn(state);  // for `free_change`
   look(state);
   factor();
-  return finish(state);
+  return finish(state, largest_error());
 }
 
 /// Newton's method on the rows at hand, with the matrix at hand or, where that is not enough, newer ones.
-JointErrors Motion::finish(State& state) {
-  JointErrors errors{largest_error(), {}};
+JointErrors Motion::finish(State& state, const JointError& found) {
+  JointErrors errors{found, {}};
   const bool small = errors.before.size < small_correction;
   if (small) project_velocities(state);
   // It at least halves the error a round or has failed: then the caller judges what is left.

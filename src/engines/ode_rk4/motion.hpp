@@ -98,8 +98,8 @@ class Motion {
   /// Does a joint's equation repeat what others say? Such ones are left out.
   bool redundant() const { return matrix_.left_out() > 0; }
 
-  /// Of a joint on its first and on its second body: J' lambda in N and N m about the body's centre, as the last
-  /// stage of the last step had it.
+  /// Of a joint with a feedback structure on its first and on its second body: J' lambda in N and N m about the body's
+  /// centre, as the last stage of the last step had it.
   Wrench force_on_a(std::size_t joint) const {
     return tree_ ? tree_->force(joint, true) : force(rows_of_stage_[joint].of_a, joint, 1);
   }
@@ -115,13 +115,13 @@ class Motion {
   };
 
   Wrench force(const Matrix6& row, std::size_t joint, double sign) const;
-  void turn(const State& state);     // rotation matrices, inertias
-  void look(const State& state);     // those, and rows; or the tree
-  JointError largest_error() const;  // of the rows
-  void factor();                     // the matrix of the rows
+  void turn(const State& state);  // rotation matrices, inertias
+  void look(const State& state);  // those, and rows; or the tree
+  JointError largest_error();     // of the rows
+  void factor();                  // the matrix of the rows
   void add_product(std::size_t i, std::size_t j, std::size_t body, Matrix6& block) const;
   void accelerate(const State& state, const std::vector<Wrench>& forces);
-  JointErrors finish(State& state);
+  JointErrors finish(State& state, const JointError& found);
   void project_velocities(State& state);
   void release();
   void feel(const State& state, Forces& forces, double t);

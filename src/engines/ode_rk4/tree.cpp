@@ -9,14 +9,24 @@
 namespace odeval::engine_rk4 {
 namespace {
 
-/// v x, for each column.
-Matrix3d cross(const Vector3d& v, const Matrix3d& m) {
-  Matrix3d product;
-  for (Eigen::Index k = 0; k < 3; ++k) product.col(k) = v.cross(m.col(k));
-  return product;
+/// r m r'.
+Symmetric turned(const Matrix3d& r, const Symmetric& m) {
+  double p[3][3];  // r m
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    p[i][0] = r(i, 0) * m.xx + r(i, 1) * m.xy + r(i, 2) * m.xz;
+    p[i][1] = r(i, 0) * m.xy + r(i, 1) * m.yy + r(i, 2) * m.yz;
+    p[i][2] = r(i, 0) * m.xz + r(i, 1) * m.yz + r(i, 2) * m.zz;
+  }
+  const auto at = [&](Eigen::Index i, Eigen::Index k) {
+    return p[i][0] * r(k, 0) + p[i][1] * r(k, 1) + p[i][2] * r(k, 2);
+  };
+  return {at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(0, 2), at(1, 2)};
 }
 
 Vector3d without(const Vector3d& v, const Vector3d& axis) { return v - axis.dot(v) * axis; }
+
+/// 1 / x of a cosine of a small angle, to its sixth power.
+double over_almost_one(double x) { return 1 + (1 - x) * (2 - x); }
 
 Matrix3d inverse(const Matrix3d& m) { return m.llt().solve(Matrix3d::Identity()); }
 
@@ -62,6 +72,7 @@ class TreeBuilder {
     const std::size_t child = link.is_a ? joint.a : joint.b;
     if (link_of_body_[child] != Tree::none || !joint.motors.empty() || !read_kind(joint, link.kind)) return false;
     link.joint = j;
+    link.id = joint.id;
     link.parent_body = parent;
     link.parent = parent == world_body ? Tree::none : link_of_body_[parent];
     const Vector3d from = parent == world_body ? Vector3d(Vector3d::Zero()) : origin_of_[link.parent];
@@ -88,7 +99,7 @@ class TreeBuilder {
     link.body = body;
     link.mass = 1 / of.inverse_mass;
     const Vector3d& r = link.centre;
-    link.inertia = of.inertia + link.mass * (r.squaredNorm() * Matrix3d::Identity() - r * r.transpose());
+    link.inertia = Symmetric::of(of.inertia + link.mass * (r.squaredNorm() * Matrix3d::Identity() - r * r.transpose()));
     link_of_body_[body] = push(link, -r);
     if (link.joint != Tree::none) tree_.link_of_[link.joint] = link_of_body_[body];
     for (const std::size_t joint : joints_at_[body]) {
@@ -182,23 +193,28 @@ void Tree::look(const State& state) {
   }
 }
 
-JointError Tree::largest_error() const {
+JointError Tree::find_gaps() {
   JointError largest;
   for (std::size_t i = 0; i < links_.size(); ++i) {
-    if (links_[i].body == none || links_[i].kind == Kind::free) continue;
-    const Offset error = gap(links_[i], now_[i]);
-    const double size = std::max(error.turning.cwiseAbs().maxCoeff(), error.moving.cwiseAbs().maxCoeff());
+    if (!has_joint(links_[i])) continue;
+    Offset& found = now_[i].gap;
+    gap(links_[i], now_[i], found);
+    double size = 0;
+    for (const Vector3d* const part : {&found.turning, &found.moving}) {
+      for (const double x : *part) size = std::fabs(x) <= size ? size : std::fabs(x);
+    }
     if (size > largest.size || std::isnan(size)) largest = {size, links_[i].joint};
   }
   return largest;
 }
 
 /// What closes a joint.
-Tree::Offset Tree::gap(const Link& link, const Now& now) const {
-  Offset offset{Vector3d::Zero(), -now.apart};
+void Tree::gap(const Link& link, const Now& now, Offset& offset) const {
+  offset.turning.setZero();
+  offset.moving = -now.apart;
   switch (link.kind) {
     case Kind::hinge:
-      offset.turning = now.axis.cross(now.parent_axis) / now.axis.dot(now.parent_axis);
+      offset.turning = over_almost_one(now.axis.dot(now.parent_axis)) * now.axis.cross(now.parent_axis);
       break;
     case Kind::universal: {
       const Vector3d across = now.axis.cross(now.parent_axis);
@@ -218,7 +234,6 @@ Tree::Offset Tree::gap(const Link& link, const Now& now) const {
     default:
       break;
   }
-  return offset;
 }
 
 /// Of a joint's two bodies.
@@ -241,10 +256,11 @@ struct Tree::Speeds {
 };
 
 /// What makes the velocities of a joint's bodies agree.
-Tree::Offset Tree::slip(const Link& link, const Now& now, const State& state) {
+void Tree::slip(const Link& link, const Now& now, const State& state, Offset& offset) {
   const Speeds speeds(link, now, state);
   const Vector3d spin = speeds.child_spin - speeds.parent_spin;
-  Offset offset{Vector3d::Zero(), -speeds.apart};
+  offset.turning.setZero();
+  offset.moving = -speeds.apart;
   switch (link.kind) {
     case Kind::hinge:
       offset.turning = without(-spin, now.along);
@@ -265,21 +281,25 @@ Tree::Offset Tree::slip(const Link& link, const Now& now, const State& state) {
     default:
       break;
   }
-  return offset;
 }
 
 /// Accelerations of a joint's bodies beside each other that their velocities make.
-Tree::Offset Tree::bias(const Link& link, const Now& now, const State& state) {
+void Tree::bias(const Link& link, const Now& now, const State& state, Offset& offset) {
   const Vector3d& w = state[link.body].twist.angular;
-  const Vector3d carried = parent_spin(link, state);
-  Offset offset{carried.cross(w), carried.cross(carried.cross(now.arm))};
+  const Vector3d& carried = parent_spin(link, state);
+  offset.turning = carried.cross(w);
+  offset.moving = carried.cross(carried.cross(now.arm));
   switch (link.kind) {
     case Kind::hinge: {
       // Zero where they turn about the axis alone.
       const Vector3d spin = w - carried;
       const Vector3d askew = spin.dot(now.along) * spin - spin.squaredNorm() * now.along;
-      const Vector3d more = askew.cross(link.is_a ? now.axis : now.parent_axis) / now.axis.dot(now.parent_axis);
-      offset.turning += link.is_a ? Vector3d(-more) : more;
+      const double share = over_almost_one(now.axis.dot(now.parent_axis));
+      if (link.is_a) {
+        offset.turning -= share * askew.cross(now.axis);
+      } else {
+        offset.turning += share * askew.cross(now.parent_axis);
+      }
       break;
     }
     case Kind::universal: {
@@ -299,7 +319,6 @@ Tree::Offset Tree::bias(const Link& link, const Now& now, const State& state) {
     default:
       break;
   }
-  return offset;
 }
 
 void Tree::factor() {
@@ -307,63 +326,79 @@ void Tree::factor() {
     const Link& link = links_[i];
     Now& now = now_[i];
     if (link.body == none) {
-      now.j.setZero();
+      now.j = now.m = {};
       now.h.setZero();
-      now.m.setZero();
       continue;
     }
-    now.inertia.noalias() = now.turn * link.inertia * now.turn.transpose();
-    now.j = now.inertia;
+    now.j = now.inertia = turned(now.turn, link.inertia);
+    now.m = {link.mass, link.mass, link.mass};
     const Vector3d r = link.mass * now.centre;
     now.h << 0, -r[2], r[1], r[2], 0, -r[0], -r[1], r[0], 0;
-    now.m = link.mass * Matrix3d::Identity();
   }
   for (std::size_t i = links_.size(); i-- > 0;) {
-    const Link& link = links_[i];
-    Now& now = now_[i];
-    eliminate(link, now);
-    if (link.parent == none) continue;
-    Now& parent = now_[link.parent];
-    const Matrix3d by_arm = cross(now.arm, now.m);
-    const Matrix3d half = cross(now.arm, (now.h + 0.5 * by_arm).transpose());
-    parent.j += now.j + half + half.transpose();
-    parent.h += now.h + by_arm;
-    parent.m += now.m;
+    eliminate(links_[i], now_[i]);
+    if (links_[i].parent != none) hand_on(now_[i], now_[links_[i].parent]);
   }
+}
+
+/// Its inertia, to its parent's: of an arm a, h grows by a x m, and j by c + c', c = a x (h + a x m / 2)'.
+void Tree::hand_on(const Now& now, Now& parent) {
+  const Vector3d& a = now.arm;
+  const double m[3][3] = {
+      {now.m.xx, now.m.xy, now.m.xz}, {now.m.xy, now.m.yy, now.m.yz}, {now.m.xz, now.m.yz, now.m.zz}};
+  double c[3][3];
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    // Row k of a x m, which is column k of m x a.
+    const Eigen::Index u = (k + 1) % 3, v = (k + 2) % 3;
+    double half[3];
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      const double more = a[u] * m[v][i] - a[v] * m[u][i];
+      half[i] = now.h(k, i) + 0.5 * more;
+      parent.h(k, i) += now.h(k, i) + more;
+    }
+    c[0][k] = a[1] * half[2] - a[2] * half[1];
+    c[1][k] = a[2] * half[0] - a[0] * half[2];
+    c[2][k] = a[0] * half[1] - a[1] * half[0];
+  }
+  parent.j.add(now.j);
+  parent.j.add({2 * c[0][0], 2 * c[1][1], 2 * c[2][2], c[0][1] + c[1][0], c[0][2] + c[2][0], c[1][2] + c[2][1]});
+  parent.m.add(now.m);
 }
 
 void Tree::eliminate(const Link& link, Now& now) {
   const auto take_out = [&] {
-    const Vector3d n = now.inverse * now.along_n, f = now.inverse * now.along_f;
-    now.j.noalias() -= now.along_n * n.transpose();
-    now.h.noalias() -= now.along_n * f.transpose();
-    now.m.noalias() -= now.along_f * f.transpose();
+    now.j.take(now.inverse, now.along_n);
+    now.m.take(now.inverse, now.along_f);
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      const double f = now.inverse * now.along_f[k];
+      for (Eigen::Index i = 0; i < 3; ++i) now.h(i, k) -= now.along_n[i] * f;
+    }
   };
   switch (link.kind) {
     case Kind::hinge:
     case Kind::universal:
-      now.along_n.noalias() = now.j * now.along;
+      now.along_n = now.j * now.along;
       now.along_f.noalias() = now.h.transpose() * now.along;
       now.inverse = 1 / now.along.dot(now.along_n);
-      take_out();
+      if (link.parent != none) take_out();
       break;
     case Kind::slider:
       now.along_n.noalias() = now.h * now.along;
-      now.along_f.noalias() = now.m * now.along;
+      now.along_f = now.m * now.along;
       now.inverse = 1 / now.along.dot(now.along_f);
-      take_out();
+      if (link.parent != none) take_out();
       break;
     case Kind::ball:
-      now.inverse_j = inverse(now.j);
+      now.inverse_j = inverse(now.j.full());
       now.coupling.noalias() = now.inverse_j * now.h;
-      now.m.noalias() -= now.h.transpose() * now.coupling;
-      now.j.setZero();
+      now.m = Symmetric::of(now.m.full() - now.h.transpose() * now.coupling);
+      now.j = {};
       now.h.setZero();
       break;
     case Kind::free:
-      now.inverse_m = inverse(now.m);
+      now.inverse_m = inverse(now.m.full());
       now.coupling.noalias() = now.inverse_m * now.h.transpose();
-      now.inverse_j = inverse(now.j - now.h * now.coupling);
+      now.inverse_j = inverse(now.j.full() - now.h * now.coupling);
       break;
     case Kind::fixed:
       break;
@@ -375,7 +410,7 @@ void Tree::accelerate(const State& state, const std::vector<Wrench>& forces, std
     const Link& link = links_[i];
     Now& now = now_[i];
     if (link.body == none) {
-      const Vector3d carried = parent_spin(link, state);
+      const Vector3d& carried = parent_spin(link, state);
       unload(now);
       now.offset.moving = carried.cross(carried.cross(now.arm));
       continue;
@@ -383,14 +418,13 @@ void Tree::accelerate(const State& state, const std::vector<Wrench>& forces, std
     const Wrench& force = forces[link.body];
     const Vector3d& w = state[link.body].twist.angular;
     now.n = w.cross(now.inertia * w) - now.centre.cross(force.force) - force.torque;
-    now.f = w.cross(w.cross(link.mass * now.centre)) - force.force;
-    now.offset = bias(link, now, state);
+    now.centripetal = w.cross(w.cross(now.centre));
+    now.f = link.mass * now.centripetal - force.force;
+    bias(link, now, state, now.offset);
   }
   solve(accelerations);
   for (std::size_t i = 0; i < links_.size(); ++i) {
-    if (links_[i].body == none) continue;
-    const Vector3d& w = state[links_[i].body].twist.angular;
-    accelerations[links_[i].body].linear += w.cross(w.cross(now_[i].centre));
+    if (links_[i].body != none) accelerations[links_[i].body].linear += now_[i].centripetal;
   }
 }
 
@@ -409,7 +443,7 @@ void Tree::respond(const std::vector<Wrench>& impulses, std::vector<Twist>& chan
 void Tree::close(std::vector<Twist>& displacements) {
   for (std::size_t i = 0; i < links_.size(); ++i) {
     unload(now_[i]);
-    if (has_joint(links_[i])) now_[i].offset = gap(links_[i], now_[i]);
+    if (has_joint(links_[i])) now_[i].offset = now_[i].gap;
   }
   solve(displacements);
 }
@@ -417,7 +451,7 @@ void Tree::close(std::vector<Twist>& displacements) {
 void Tree::agree(const State& state, std::vector<Twist>& changes) {
   for (std::size_t i = 0; i < links_.size(); ++i) {
     unload(now_[i]);
-    if (has_joint(links_[i])) now_[i].offset = slip(links_[i], now_[i], state);
+    if (has_joint(links_[i])) slip(links_[i], now_[i], state, now_[i].offset);
   }
   solve(changes);
 }
@@ -426,8 +460,9 @@ void Tree::unload(Now& now) {
   for (Vector3d* const v : {&now.n, &now.f, &now.offset.turning, &now.offset.moving}) v->setZero();
 }
 
-Vector3d Tree::parent_spin(const Link& link, const State& state) {
-  return link.parent_body == world_body ? Vector3d(Vector3d::Zero()) : state[link.parent_body].twist.angular;
+const Vector3d& Tree::parent_spin(const Link& link, const State& state) {
+  static const Vector3d none_at_all = Vector3d::Zero();
+  return link.parent_body == world_body ? none_at_all : state[link.parent_body].twist.angular;
 }
 
 /// From loads and offsets to the motion of origins, and of bodies.
@@ -435,28 +470,29 @@ void Tree::solve(std::vector<Twist>& twists) {
   for (std::size_t i = links_.size(); i-- > 0;) {
     const Link& link = links_[i];
     Now& now = now_[i];
-    Vector3d n = now.n;
+    const bool to_world = link.parent == none;
     switch (link.kind) {
       case Kind::hinge:
       case Kind::universal:
       case Kind::slider:
         now.push = -now.inverse * now.along.dot(link.kind == Kind::slider ? now.f : now.n);
-        n += now.push * now.along_n;
+        if (to_world) break;
+        now.n += now.push * now.along_n;
         now.f += now.push * now.along_f;
         break;
       case Kind::ball:
         now.f.noalias() -= now.coupling.transpose() * now.n;
-        n.setZero();
         break;
       default:
         break;
     }
-    if (link.kind != Kind::ball) now.n = n;
-    if (link.parent == none) continue;
+    if (to_world) continue;
     Now& parent = now_[link.parent];
     const auto& [turning, moving] = now.offset;
     const Vector3d f = now.f + now.h.transpose() * turning + now.m * moving;
-    parent.n += n + now.j * turning + now.h * moving + now.arm.cross(f);
+    // What a ball's torque does to it, it does not hand on.
+    if (link.kind != Kind::ball) parent.n += now.n + now.j * turning + now.h * moving;
+    parent.n += now.arm.cross(f);
     parent.f += f;
   }
   for (std::size_t i = 0; i < links_.size(); ++i) {
@@ -486,13 +522,15 @@ void Tree::solve(std::vector<Twist>& twists) {
         break;
     }
     if (link.body == none) continue;
-    twists[link.body] = {now.moving + now.turning.cross(now.centre), now.turning};
+    Twist& twist = twists[link.body];
+    twist.linear = now.moving + now.turning.cross(now.centre);
+    twist.angular = now.turning;
   }
 }
 
 void Tree::keep_forces() {
   for (const std::size_t i : link_of_) {
-    if (i == none) continue;
+    if (i == none || dJointGetFeedback(links_[i].id) == nullptr) continue;
     const Link& link = links_[i];
     Now& now = now_[i];
     now.kept_force = now.f + now.h.transpose() * now.turning + now.m * now.moving;
