@@ -8,13 +8,15 @@ namespace {
 
 class AccurateStepper final : public engine_ode::WorldStepper {
  public:
-  explicit AccurateStepper(const engine_ode::SteppedWorld& world) : step_(world.world, world.space, options(world)) {}
+  AccurateStepper(const engine_ode::SteppedWorld& world, int order)
+      : step_(world.world, world.space, options(world, order)) {}
 
   void step(double h) override { step_(h); }
 
  private:
-  static AccurateStepOptions options(const engine_ode::SteppedWorld& world) {
+  static AccurateStepOptions options(const engine_ode::SteppedWorld& world, int order) {
     AccurateStepOptions options;
+    options.order = order;
     if (world.contact) {
       options.contact = [of = world.contact](dxGeom* first, dxGeom* second) -> std::optional<Bounce> {
         const std::optional<engine_ode::Touching> touching = of(first, second);
@@ -30,16 +32,25 @@ class AccurateStepper final : public engine_ode::WorldStepper {
   AccurateStep step_;
 };
 
+template <int order>
 std::unique_ptr<engine_ode::WorldStepper> stepper(const engine_ode::SteppedWorld& world) {
-  return std::make_unique<AccurateStepper>(world);
+  return std::make_unique<AccurateStepper>(world, order);
+}
+
+template <int order>
+std::unique_ptr<Simulation> make(const Scenario& scenario, const SampleGrid& grid) {
+  Scenario whole = scenario;
+  whole.ode.gyroscopic = true;  // of [ode] it obeys the bounce alone
+  return engine_ode::odeval_ode_double().make_stepped(whole, grid, &stepper<order>);
 }
 
 }  // namespace
 
-std::unique_ptr<Simulation> make_accurate(const Scenario& scenario, const SampleGrid& grid) {
-  Scenario whole = scenario;
-  whole.ode.gyroscopic = true;  // of [ode] it obeys the bounce alone
-  return engine_ode::odeval_ode_double().make_stepped(whole, grid, &stepper);
+std::unique_ptr<Simulation> make_accurate_4(const Scenario& scenario, const SampleGrid& grid) {
+  return make<4>(scenario, grid);
+}
+std::unique_ptr<Simulation> make_accurate_8(const Scenario& scenario, const SampleGrid& grid) {
+  return make<8>(scenario, grid);
 }
 
 }  // namespace odeval::catalogue

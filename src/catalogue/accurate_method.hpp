@@ -1,10 +1,11 @@
 #pragma once
-// Method ode-rk4-double: the ODE adapter's world, moved by the fourth-order step.
+// Methods ode-rk4-double and ode-rk8-double: the ODE adapter's world, moved by the accurate step.
 #include "odeval/engine.hpp"
 
 namespace odeval::catalogue {
 
 /// Cartesian rows. Throws MachineError when ODE or the step refuses the scenario.
-std::unique_ptr<Simulation> make_accurate(const Scenario& scenario, const SampleGrid& grid);
+std::unique_ptr<Simulation> make_accurate_4(const Scenario& scenario, const SampleGrid& grid);
+std::unique_ptr<Simulation> make_accurate_8(const Scenario& scenario, const SampleGrid& grid);
 
 }  // namespace odeval::catalogue

@@ -75,7 +75,9 @@ std::vector<Method> engines_of_ode() {
       {"ode-quickstep-single", bodies, "dWorldQuickStep, single precision", 1, 0, 0, all_of_ode, quickstep_single,
        quickstep, hinge_rows_cfm, single},
       {"ode-rk4-double", bodies, "odeval's Runge-Kutta step beside ODE's collision detection", 4, 0, 0, accurate,
-       make_accurate, accurate_step_settings(), hinge_rows},
+       make_accurate_4, accurate_step_settings(), hinge_rows},
+      {"ode-rk8-double", bodies, "the same of order 8, for smooth motion", 8, 0, 0, accurate, make_accurate_8,
+       accurate_step_settings(), hinge_rows},
   };
 }
 

@@ -251,6 +251,8 @@ void check_options() {
   }
   for (const int most : {0, -1})
     refuse("most_impacts must be", [most](AccurateStepOptions& o) { o.most_impacts = most; });
+  for (const int order : {0, 5, -8})
+    refuse("order must be 4 or 8", [order](AccurateStepOptions& o) { o.order = order; });
   refuse("is null", [](AccurateStepOptions& o) { o.bodies = {nullptr}; });
 
   for (const double restitution : {-0.1, 1.1, nan}) {

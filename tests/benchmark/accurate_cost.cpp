@@ -3,8 +3,9 @@
 //   odeval-accurate-cost [ROUNDS]
 //
 // Interleaved in one run: the double pendulum stepped by both; accuracy at equal CPU time (dWorldStep at h = 1e-4,
-// until t = 2); cost per step on chains of 8 to 128 links with a fitted exponent; mechanisms and stacks at rest; an
-// impact; contacts that crowd. Prints medians and judges nothing.
+// until t = 2); what an error of 1e-8 rad until t = 3 costs by either order; cost per step of an arm of 7 hinges, and
+// on chains of 8 to 256 links with a fitted exponent; mechanisms and stacks at rest; an impact; contacts that crowd.
+// Prints medians and judges nothing.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -84,41 +85,68 @@ void equal_time(int rounds) {
   }
 }
 
-void chains(int rounds) {
+/// CPU time of a simulated second by either order, with steps that keep 1e-8 rad until t = 3.
+void orders(int rounds) {
+  Evaluator four(double_pendulum(1e-3, 3)), eight(double_pendulum(1e-2, 3));
+  std::vector<double> by_four, by_eight;
+  for (int round = -1; round < rounds; ++round) {
+    const double a = seconds(four, "ode-rk4-double");
+    const double b = seconds(eight, "ode-rk8-double");
+    if (round < 0) continue;
+    by_four.push_back(1e6 * a / 3);
+    by_eight.push_back(1e6 * b / 3);
+  }
+  fmt::print(
+      "until t = 3      order 4, h = 0.001: {:.3g} rad, {:.0f} us a second; order 8, h = 0.01: {:.3g} rad, {:.0f} us\n",
+      error(four, "ode-rk4-double", 3), median(by_four), error(eight, "ode-rk8-double", 3), median(by_eight));
+}
+
+struct Costs {
+  double ode, accurate, ratio;  // medians, us
+};
+
+/// Of a step of n links on hinges, `oblique` with every other axis upright.
+Costs chain(int n, bool oblique, int steps, int rounds) {
   using namespace odeval::test;
+  World one, other;
+  for (World* world : {&one, &other}) {
+    dWorldSetERP(world->id, 0.2);
+    dWorldSetCFM(world->id, 1e-10);
+    dBodyID before = nullptr;
+    for (int i = 0; i < n; ++i) {
+      const dBodyID link = world->box(1, {0.1, 1, 0.1}, {0, 0.5 + i, 0});
+      const Vector3d axis = oblique && i % 2 == 1 ? Vector3d(0, 0, 1) : Vector3d(1, 0, 0);
+      world->hinge(before == nullptr ? link : before, before == nullptr ? nullptr : link, {0, double(i), 0}, axis);
+      before = link;
+    }
+  }
+  odeval::AccurateStep step(one.id, one.space);
+  std::vector<double> accurate, ode, ratios;
+  for (int round = -1; round < rounds; ++round) {
+    double start = cpu_seconds();
+    for (int k = 0; k < steps; ++k) step(1e-4);
+    const double a = (cpu_seconds() - start) / steps;
+    start = cpu_seconds();
+    for (int k = 0; k < steps; ++k) dWorldStep(other.id, 1e-4);
+    const double b = (cpu_seconds() - start) / steps;
+    if (round < 0) continue;
+    accurate.push_back(1e6 * a), ode.push_back(1e6 * b), ratios.push_back(a / b);
+  }
+  return {median(ode), median(accurate), median(ratios)};
+}
+
+void chains(int rounds) {
+  const Costs arm = chain(7, true, 500, rounds);
+  fmt::print("arm of 7 hinges  dWorldStep {:.2f} us/step, accurate {:.2f} us/step: {:.2f} x\n", arm.ode, arm.accurate,
+             arm.ratio);
   std::vector<double> logs_n, logs_accurate, logs_ode;
-  for (const int n : {8, 16, 32, 64, 128}) {
-    World one, other;
-    for (World* world : {&one, &other}) {
-      dWorldSetERP(world->id, 0.2);
-      dWorldSetCFM(world->id, 1e-10);
-      dBodyID before = nullptr;
-      for (int i = 0; i < n; ++i) {
-        const dBodyID link = world->box(1, {0.1, 1, 0.1}, {0, 0.5 + i, 0});
-        world->hinge(before == nullptr ? link : before, before == nullptr ? nullptr : link, {0, double(i), 0},
-                     {1, 0, 0});
-        before = link;
-      }
-    }
-    odeval::AccurateStep step(one.id, one.space);
-    std::vector<double> accurate, ode;
-    const int steps = n <= 32 ? 200 : 20;
-    for (int round = -1; round < std::max(3, rounds / 3); ++round) {
-      double start = cpu_seconds();
-      for (int k = 0; k < steps; ++k) step(1e-4);
-      const double a = (cpu_seconds() - start) / steps;
-      start = cpu_seconds();
-      for (int k = 0; k < steps; ++k) dWorldStep(other.id, 1e-4);
-      const double b = (cpu_seconds() - start) / steps;
-      if (round < 0) continue;
-      accurate.push_back(a);
-      ode.push_back(b);
-    }
-    fmt::print("chain of {:3}     dWorldStep {:9.2f} us/step, accurate {:9.2f} us/step\n", n, 1e6 * median(ode),
-               1e6 * median(accurate));
+  for (const int n : {8, 16, 32, 64, 128, 256}) {
+    const Costs costs = chain(n, false, n <= 32 ? 200 : 20, n <= 128 ? std::max(3, rounds / 3) : 3);
+    fmt::print("chain of {:3}     dWorldStep {:9.2f} us/step, accurate {:9.2f} us/step\n", n, costs.ode,
+               costs.accurate);
     logs_n.push_back(std::log(n));
-    logs_accurate.push_back(std::log(median(accurate)));
-    logs_ode.push_back(std::log(median(ode)));
+    logs_accurate.push_back(std::log(costs.accurate));
+    logs_ode.push_back(std::log(costs.ode));
   }
   const auto slope = [&](const std::vector<double>& y) {
     const auto count = static_cast<double>(y.size());
@@ -259,6 +287,7 @@ int main(int argc, char** argv) {
   const int rounds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 11;
   per_step(rounds);
   equal_time(rounds);
+  orders(rounds);
   chains(rounds);
   for (const int links : {2, 3, 4}) {
     at_rest(fmt::format("arm of {} at rest", links).c_str(), rounds, [links](odeval::test::World& world) {

@@ -28,6 +28,7 @@ AccurateStepOptions checked(AccurateStepOptions options) {
   check(options.rest_speed >= 0 && std::isfinite(options.rest_speed), "rest_speed must be 0 or more metres a second",
         options.rest_speed);
   check(options.most_impacts >= 1, "most_impacts must be 1 or more", options.most_impacts);
+  check(options.order == 4 || options.order == 8, "order must be 4 or 8", options.order);
   if (std::ranges::count(options.bodies, nullptr) > 0) refuse("one of AccurateStepOptions::bodies is null");
   return options;
 }
@@ -40,7 +41,7 @@ class AccurateStep::World {
       : world_(world),
         space_(space),
         options_(checked(std::move(options))),
-        motion_(read_mechanism(world, space, options_.bodies)),
+        motion_(read_mechanism(world, space, options_.bodies), options_.order),
         watch_(space, mechanism()),
         collider_(space, options_.contact),
         flight_(motion_, collider_, options_) {
@@ -79,7 +80,7 @@ class AccurateStep::World {
   void reread() {
     Mechanism now = read_mechanism(world_, space_, options_.bodies, mechanism());
     watch_ = Watch(space_, now);
-    motion_ = Motion(std::move(now));
+    motion_ = Motion(std::move(now), options_.order);
     flight_.start_anew();
     fresh_ = true;
   }

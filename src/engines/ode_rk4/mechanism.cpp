@@ -406,16 +406,6 @@ std::string name(const Joint& joint) {
   return "the " + kind(joint.id) + " between " + name(joint.a) + " and " + name(joint.b);
 }
 
-Matrix3d rotation(const Eigen::Vector4d& turn) {
-  const double w = turn[0], x = turn[1], y = turn[2], z = turn[3];
-  const double s = 2 / turn.squaredNorm();
-  Matrix3d r;
-  r << 1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y),  //
-      s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x),   //
-      s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y);
-  return r;
-}
-
 Mechanism read_mechanism(dWorldID world, dSpaceID space, std::span<dxBody* const> given, const Mechanism& earlier) {
   Mechanism mechanism;
   for (const dBodyID body : discover(world, space, given, earlier.numbers)) {

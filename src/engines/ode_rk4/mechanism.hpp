@@ -163,7 +163,15 @@ struct Mechanism {
 inline Vector3d vector(const dReal* v) { return {v[0], v[1], v[2]}; }
 
 /// Rotation matrix of a quaternion of any length but 0.
-Matrix3d rotation(const Eigen::Vector4d& turn);
+inline Matrix3d rotation(const Eigen::Vector4d& turn) {
+  const double w = turn[0], x = turn[1], y = turn[2], z = turn[3];
+  const double s = 2 / turn.squaredNorm();
+  Matrix3d r;
+  r << 1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y),  //
+      s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x),   //
+      s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y);
+  return r;
+}
 
 /// Reads the given bodies, those of the space's geoms in the order they were made, and what their joints lead to, and
 /// numbers them in this order; those of an earlier reading keep theirs. Throws AccurateStepError.

@@ -23,14 +23,6 @@ constexpr double limit_rounding = 1e-12;  // of a motor's limit
 constexpr double stiffest = 2;
 constexpr double closed = 1e-13;  // m, rad: a hundred roundings of a body's size
 
-Eigen::Vector4d turn_rate(const Vector3d& w, const Eigen::Vector4d& q) {
-  const Vector3d v = q.tail<3>();
-  Eigen::Vector4d rate;
-  rate[0] = -0.5 * w.dot(v);
-  rate.tail<3>() = 0.5 * (q[0] * w + w.cross(v));
-  return rate;
-}
-
 std::vector<Eigen::Index> rows_of(const std::vector<Joint>& joints) {
   std::vector<Eigen::Index> rows;
   for (const Joint& joint : joints) rows.push_back(joint.rows());
@@ -39,11 +31,21 @@ std::vector<Eigen::Index> rows_of(const std::vector<Joint>& joints) {
 
 }  // namespace
 
+Eigen::Vector4d turn_rate(const Vector3d& w, const Eigen::Vector4d& q) {
+  const Vector3d v = q.tail<3>();
+  Eigen::Vector4d rate;
+  rate[0] = -0.5 * w.dot(v);
+  rate.tail<3>() = 0.5 * (q[0] * w + w.cross(v));
+  return rate;
+}
+
 void turn_by(const Vector3d& angle, Eigen::Vector4d& q) {
-  const double size = angle.norm();
-  const double half = size / 2;
-  const double sine = size > 0 ? std::sin(half) / size : 0.5;
-  const double w = std::cos(half);
+  // Of half the angle; of a small one by series: what they leave out is below 1e-17.
+  const double square = angle.squaredNorm() / 4;
+  const bool small = square < 1e-8;
+  const double half = small ? 0 : std::sqrt(square);
+  const double sine = small ? 0.5 - square / 12 : std::sin(half) / (2 * half);
+  const double w = small ? 1 - square / 2 : std::cos(half);
   const Vector3d u = sine * angle;
   const Vector3d v = q.tail<3>();
   const double scalar = w * q[0] - u.dot(v);
@@ -52,8 +54,11 @@ void turn_by(const Vector3d& angle, Eigen::Vector4d& q) {
   q.normalize();
 }
 
-Motion::Motion(Mechanism mechanism)
-    : mechanism_(std::move(mechanism)), matrix_(rows_of(mechanism_.joints), mechanism_.neighbours) {
+Motion::Motion(Mechanism mechanism, int order, bool along_trees)
+    : mechanism_(std::move(mechanism)),
+      formula_(&runge_kutta(order)),
+      tree_(along_trees ? Tree::of(mechanism_) : std::nullopt),
+      matrix_(rows_of(mechanism_.joints), mechanism_.neighbours) {
   const std::size_t bodies = mechanism_.bodies.size();
   const std::size_t joints = mechanism_.joints.size();
   turns_.resize(bodies);
@@ -72,7 +77,7 @@ Motion::Motion(Mechanism mechanism)
   acceleration_.resize(bodies);
   correction_.resize(bodies);
   stage_.resize(bodies);
-  sum_.resize(bodies);
+  rates_.assign(formula_->stages.size(), std::vector<Rate>(bodies));
   const JointRows none{Matrix6::Zero(), Matrix6::Zero(), Vector6::Zero(), Vector6::Zero()};
   rows_.assign(joints, none);
   rows_of_stage_.assign(joints, none);
@@ -81,11 +86,19 @@ Motion::Motion(Mechanism mechanism)
   stage_lambda_.resize(joints);
 }
 
-void Motion::look(const State& state) {
+void Motion::turn(const State& state) {
   for (std::size_t i = 0; i < state.size(); ++i) {
     turns_[i] = rotation(state[i].pose.turn);
     inverse_inertias_[i].noalias() = turns_[i] * mechanism_.bodies[i].inverse_inertia * turns_[i].transpose();
   }
+}
+
+void Motion::look(const State& state) {
+  if (tree_) {
+    tree_->look(state);
+    return;
+  }
+  turn(state);
   for (std::size_t j = 0; j < rows_.size(); ++j) constrain(mechanism_.joints[j], state, turns_, rows_[j]);
 }
 
@@ -110,6 +123,10 @@ void Motion::add_product(std::size_t i, std::size_t j, std::size_t body, Matrix6
 }
 
 void Motion::factor() {
+  if (tree_) {
+    tree_->factor();
+    return;
+  }
   matrix_.clear();
   const auto weigh = [this](const Matrix6& row, std::size_t body, Matrix6& weighted) {
     if (body == world_body) return;
@@ -164,6 +181,10 @@ void Motion::solve_onto(std::vector<Twist>& twists) {
 void Motion::accelerate(const State& state, const std::vector<Wrench>& forces) {
   look(state);
   factor();
+  if (tree_) {
+    tree_->accelerate(state, forces, acceleration_);
+    return;
+  }
   for (std::size_t i = 0; i < state.size(); ++i) {
     const Body& body = mechanism_.bodies[i];
     const Vector3d& w = state[i].twist.angular;
@@ -355,47 +376,51 @@ bool Motion::bears(double h) const {
 }
 
 JointErrors Motion::step(const State& from, Forces& forces, double h, State& to) {
-  constexpr double at[] = {0, 0.5, 0.5, 1};
-  constexpr double weight[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
-  const std::size_t bodies = from.size();
-  to = from;
-  JointError start_error;
-  for (int s = 0; s < 4; ++s) {
-    const double c = at[s] * h;
-    for (std::size_t i = 0; i < bodies; ++i) {
-      const BodyNow& start = from[i];
-      BodyNow& here = stage_[i];
-      if (s == 0) {
-        here = start;
-        continue;
+  const auto combine = [&](std::span<const RungeKutta::Part> parts, State& sum) {
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      BodyNow& body = sum[i];
+      body = from[i];
+      for (const RungeKutta::Part& part : parts) {
+        const Rate& rate = rates_[part.stage][i];
+        const double share = part.share * h;
+        body.pose.position += share * rate.position;
+        body.pose.turn += share * rate.turn;
+        body.twist.linear += share * rate.twist.linear;
+        body.twist.angular += share * rate.twist.angular;
       }
-      // acceleration_ and `here` still hold the stage before.
-      const Vector3d linear = here.twist.linear;
-      const Eigen::Vector4d turning = turn_rate(here.twist.angular, here.pose.turn);
-      here.pose.position = start.pose.position + c * linear;
-      here.pose.turn = start.pose.turn + c * turning;
-      here.twist.linear = start.twist.linear + c * acceleration_[i].linear;
-      here.twist.angular = start.twist.angular + c * acceleration_[i].angular;
     }
-    if (forces.renew) forces.renew(forces.start + c, stage_, forces.now);
+  };
+  JointError start_error;
+  for (std::size_t s = 0; s < formula_->stages.size(); ++s) {
+    const RungeKutta::Stage& stage = formula_->stages[s];
+    combine(stage.from, stage_);
+    if (forces.renew) forces.renew(forces.start + stage.at * h, stage_, forces.now);
     accelerate(stage_, forces.now);
     if (s == 0) start_error = largest_error();
-    const double part = weight[s] * h;
-    for (std::size_t i = 0; i < bodies; ++i) {
-      to[i].pose.position += part * stage_[i].twist.linear;
-      to[i].pose.turn += part * turn_rate(stage_[i].twist.angular, stage_[i].pose.turn);
-      to[i].twist.linear += part * acceleration_[i].linear;
-      to[i].twist.angular += part * acceleration_[i].angular;
+    for (std::size_t i = 0; i < stage_.size(); ++i) {
+      const BodyNow& here = stage_[i];
+      Rate& rate = rates_[s][i];
+      rate.position = here.twist.linear;
+      rate.turn = turn_rate(here.twist.angular, here.pose.turn);
+      rate.twist = acceleration_[i];
     }
   }
-  std::swap(stage_lambda_, lambda_);
-  std::swap(rows_of_stage_, rows_);
+  to.resize(from.size());
+  combine(formula_->weights, to);
+  if (tree_) {
+    tree_->keep_forces();
+  } else {
+    std::swap(stage_lambda_, lambda_);
+    std::swap(rows_of_stage_, rows_);
+  }
   look(to);
-  if (!(largest_error().size < small_correction)) factor();  // or the last stage's matrix, near enough, will do
-  return {start_error, finish(to).after};                    // which makes unit quaternions
+  const JointError found = largest_error();
+  if (!(found.size < small_correction)) factor();  // or the last stage's matrix, near enough, will do
+  return {start_error, finish(to, found).after};   // which makes unit quaternions
 }
 
-JointError Motion::largest_error() const {
+JointError Motion::largest_error() {
+  if (tree_) return tree_->find_gaps();
   JointError largest;
   for (std::size_t j = 0; j < rows_.size(); ++j) {
     const double error = rows_[j].error.cwiseAbs().maxCoeff();
@@ -414,14 +439,15 @@ JointError Motion::displace(const std::vector<Twist>& by, State& state) {
 
 JointErrors Motion::project(State& state, bool hold_on) {
   if (!hold_on) release();
+  if (tree_) turn(state);  // for `free_change`
   look(state);
   factor();
-  return finish(state);
+  return finish(state, largest_error());
 }
 
 /// Newton's method on the rows at hand, with the matrix at hand or, where that is not enough, newer ones.
-JointErrors Motion::finish(State& state) {
-  JointErrors errors{largest_error(), {}};
+JointErrors Motion::finish(State& state, const JointError& found) {
+  JointErrors errors{found, {}};
   const bool small = errors.before.size < small_correction;
   if (small) project_velocities(state);
   // It at least halves the error a round or has failed: then the caller judges what is left.
@@ -442,6 +468,14 @@ JointErrors Motion::finish(State& state) {
 }
 
 void Motion::project_velocities(State& state) {
+  if (tree_) {
+    tree_->agree(state, correction_);
+    for (std::size_t i = 0; i < state.size(); ++i) {
+      state[i].twist.linear += correction_[i].linear;
+      state[i].twist.angular += correction_[i].angular;
+    }
+    return;
+  }
   for (std::size_t i = 0; i < state.size(); ++i) correction_[i] = state[i].twist;
   for (Vector6& lambda : lambda_) lambda.setZero();
   for (const MotorPlace& place : motors_) {
@@ -455,9 +489,13 @@ void Motion::project_velocities(State& state) {
 }
 
 void Motion::correct(State& state) {
-  for (std::size_t j = 0; j < rows_.size(); ++j) lambda_[j] = rows_[j].error;
-  for (Twist& twist : correction_) twist = {Vector3d::Zero(), Vector3d::Zero()};
-  solve_onto(correction_);
+  if (tree_) {
+    tree_->close(correction_);
+  } else {
+    for (std::size_t j = 0; j < rows_.size(); ++j) lambda_[j] = rows_[j].error;
+    for (Twist& twist : correction_) twist = {Vector3d::Zero(), Vector3d::Zero()};
+    solve_onto(correction_);
+  }
   for (std::size_t i = 0; i < state.size(); ++i) {
     state[i].pose.position += correction_[i].linear;
     turn_by(correction_[i].angular, state[i].pose.turn);
@@ -466,6 +504,10 @@ void Motion::correct(State& state) {
 
 void Motion::respond(const std::vector<Wrench>& impulses, std::vector<Twist>& change) {
   change.resize(impulses.size());
+  if (tree_) {
+    tree_->respond(impulses, change);
+    return;
+  }
   for (std::size_t i = 0; i < impulses.size(); ++i) {
     change[i] = free_change(i, impulses[i]);
   }

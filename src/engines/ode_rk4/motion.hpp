@@ -1,18 +1,22 @@
 #pragma once
-// Newton-Euler with Lagrange multipliers, classical Runge-Kutta, and the projection onto the joints.
+// Newton-Euler with Lagrange multipliers, a Runge-Kutta formula, and the projection onto the joints.
 //
 //   M u' = f + J' lambda,  J u' + bias = 0   =>   (J M^-1 J') lambda = -(J M^-1 f + bias)
 //
-// One step: four stages; then positions move by -M^-1 J' A^-1 C and velocities by -M^-1 J' A^-1 J u, A = J M^-1 J' at
-// the end of the step: the nearest state, weighted by mass, that keeps the joints (to the second order in what is
-// corrected, which is itself of fifth order in the step).
+// The system is solved by blocks (block_ldl.hpp) or, where joints make trees, along them (tree.hpp), which is faster
+// and gives the same to rounding. One step: the stages; then positions move by -M^-1 J' A^-1 C and velocities by -M^-1
+// J' A^-1 J u, A = J M^-1 J' at the end of the step: the nearest state, weighted by mass, that keeps the joints (to the
+// second order in what is corrected, which is itself of the order of the step's error).
 #include <array>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "engines/ode_rk4/block_ldl.hpp"
 #include "engines/ode_rk4/mechanism.hpp"
+#include "engines/ode_rk4/runge_kutta.hpp"
+#include "engines/ode_rk4/tree.hpp"
 
 namespace odeval::engine_rk4 {
 
@@ -28,6 +32,8 @@ struct Rate {
   Twist twist;
 };
 
+/// dq/dt at an angular velocity in the world.
+Eigen::Vector4d turn_rate(const Vector3d& w, const Eigen::Vector4d& q);
 /// A turn by a rotation vector in the world, exact in its angle.
 void turn_by(const Vector3d& angle, Eigen::Vector4d& q);
 
@@ -51,7 +57,8 @@ struct JointErrors {
 
 class Motion {
  public:
-  explicit Motion(Mechanism mechanism);
+  /// `order` of the Runge-Kutta formula: 4 or 8. Not `along_trees`: all by blocks.
+  explicit Motion(Mechanism mechanism, int order = 4, bool along_trees = true);
 
   const Mechanism& mechanism() const { return mechanism_; }
 
@@ -95,10 +102,14 @@ class Motion {
   /// Does a joint's equation repeat what others say? Such ones are left out.
   bool redundant() const { return matrix_.left_out() > 0; }
 
-  /// Of a joint on its first and on its second body: J' lambda in N and N m about the body's centre, as the last
-  /// stage of the last step had it.
-  Wrench force_on_a(std::size_t joint) const { return force(rows_of_stage_[joint].of_a, joint, 1); }
-  Wrench force_on_b(std::size_t joint) const { return force(rows_of_stage_[joint].of_b, joint, -1); }
+  /// Of a joint with a feedback structure on its first and on its second body: J' lambda in N and N m about the body's
+  /// centre, as the last stage of the last step had it.
+  Wrench force_on_a(std::size_t joint) const {
+    return tree_ ? tree_->force(joint, true) : force(rows_of_stage_[joint].of_a, joint, 1);
+  }
+  Wrench force_on_b(std::size_t joint) const {
+    return tree_ ? tree_->force(joint, false) : force(rows_of_stage_[joint].of_b, joint, -1);
+  }
 
  private:
   struct MotorPlace {
@@ -108,14 +119,15 @@ class Motion {
   };
 
   Wrench force(const Matrix6& row, std::size_t joint, double sign) const;
-  void look(const State& state);     // rotation matrices, inertias, rows
-  JointError largest_error() const;  // of the rows
-  void factor();                     // the matrix of the rows
+  void turn(const State& state);  // rotation matrices, inertias
+  void look(const State& state);  // those, and rows; or the tree
+  JointError largest_error();     // of the rows
+  void factor();                  // the matrix of the rows
   void add_product(std::size_t i, std::size_t j, std::size_t body, Matrix6& block) const;
   void wake();
   void accelerate(const State& state, const std::vector<Wrench>& forces);
   void push_along(const Joint& joint, const MotorLine& line, bool slides, double force);
-  JointErrors finish(State& state);
+  JointErrors finish(State& state, const JointError& found);
   void project_velocities(State& state);
   void release();
   void feel(const State& state, Forces& forces, double t);
@@ -126,6 +138,8 @@ class Motion {
   void solve_onto(std::vector<Twist>& twists);  // twists -= M^-1 J' A^-1 (J twists + right-hand side in lambda_)
 
   Mechanism mechanism_;
+  const RungeKutta* formula_;
+  std::optional<Tree> tree_;
   BlockLdl matrix_;
   std::vector<char> jointed_;
   std::vector<MotorPlace> motors_;
@@ -142,7 +156,7 @@ class Motion {
   std::vector<Twist> acceleration_;
   std::vector<Twist> correction_;
   State stage_;
-  std::vector<Rate> sum_;
+  std::vector<std::vector<Rate>> rates_;  // by stage and body
 };
 
 }  // namespace odeval::engine_rk4

@@ -1,0 +1,557 @@
+#include "engines/ode_rk4/tree.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "engines/ode_rk4/motion.hpp"
+
+namespace odeval::engine_rk4 {
+namespace {
+
+/// r m r'.
+Symmetric turned(const Matrix3d& r, const Symmetric& m) {
+  double p[3][3];  // r m
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    p[i][0] = r(i, 0) * m.xx + r(i, 1) * m.xy + r(i, 2) * m.xz;
+    p[i][1] = r(i, 0) * m.xy + r(i, 1) * m.yy + r(i, 2) * m.yz;
+    p[i][2] = r(i, 0) * m.xz + r(i, 1) * m.yz + r(i, 2) * m.zz;
+  }
+  const auto at = [&](Eigen::Index i, Eigen::Index k) {
+    return p[i][0] * r(k, 0) + p[i][1] * r(k, 1) + p[i][2] * r(k, 2);
+  };
+  return {at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(0, 2), at(1, 2)};
+}
+
+Vector3d without(const Vector3d& v, const Vector3d& axis) { return v - axis.dot(v) * axis; }
+
+/// 1 / x of a cosine of a small angle, to its sixth power.
+double over_almost_one(double x) { return 1 + (1 - x) * (2 - x); }
+
+Matrix3d inverse(const Matrix3d& m) { return m.llt().solve(Matrix3d::Identity()); }
+
+}  // namespace
+
+/// Walks from the world, then from a first body of each tree that is left, and makes a link of each joint.
+class TreeBuilder {
+ public:
+  explicit TreeBuilder(const Mechanism& mechanism) : mechanism_(mechanism), joints_at_(mechanism.bodies.size()) {
+    for (std::size_t j = 0; j < mechanism.joints.size(); ++j) {
+      const Joint& joint = mechanism.joints[j];
+      if (joint.rows() == 0) continue;
+      (joint.b == world_body ? joints_at_world_ : joints_at_[joint.b]).push_back(j);
+      joints_at_[joint.a].push_back(j);
+    }
+  }
+
+  std::optional<Tree> build() {
+    if (mechanism_.joints.empty()) return std::nullopt;
+    tree_.link_of_.assign(mechanism_.joints.size(), Tree::none);
+    link_of_body_.assign(mechanism_.bodies.size(), Tree::none);
+    for (const std::size_t joint : joints_at_world_) {
+      if (!hang(joint, world_body)) return std::nullopt;
+    }
+    for (std::size_t body = 0; body < mechanism_.bodies.size(); ++body) {
+      if (link_of_body_[body] == Tree::none && !add({Tree::Kind::free}, body)) return std::nullopt;
+    }
+    Tree::Now& world = tree_.world_;
+    world.turn.setIdentity();
+    for (Vector3d* const v : {&world.place, &world.centre, &world.turning, &world.moving}) v->setZero();
+    tree_.now_.resize(tree_.links_.size());
+    return std::move(tree_);
+  }
+
+ private:
+  using Kind = Tree::Kind;
+
+  /// The link of a joint's other body, and of all that hangs on it.
+  bool hang(std::size_t j, std::size_t parent) {
+    const Joint& joint = mechanism_.joints[j];
+    Tree::Link link{};
+    link.is_a = joint.a != parent;
+    const std::size_t child = link.is_a ? joint.a : joint.b;
+    if (link_of_body_[child] != Tree::none || !joint.motors.empty() || !read_kind(joint, link.kind)) return false;
+    link.joint = j;
+    link.id = joint.id;
+    link.parent_body = parent;
+    link.parent = parent == world_body ? Tree::none : link_of_body_[parent];
+    const Vector3d from = parent == world_body ? Vector3d(Vector3d::Zero()) : origin_of_[link.parent];
+    link.centre = -point(joint, link.is_a);
+    link.arm = point(joint, !link.is_a) - from;
+    if (link.kind == Kind::fixed || link.kind == Kind::slider) {
+      link.same_turn = same_turn(joint, link.is_a);
+      link.parent_same_turn = same_turn(joint, !link.is_a);
+    }
+    // A slider has its axis on its first body alone.
+    if (link.kind != Kind::slider || link.is_a) link.axis = axis(joint, link.is_a);
+    if (link.kind != Kind::slider || !link.is_a) link.parent_axis = axis(joint, !link.is_a);
+    if (link.kind == Kind::universal) {
+      Tree::Link between = link;
+      between.joint = Tree::none;
+      link.parent = push(between, Vector3d::Zero());
+      link.arm.setZero();
+    }
+    return add(link, child);
+  }
+
+  bool add(Tree::Link link, std::size_t body) {
+    const Body& of = mechanism_.bodies[body];
+    link.body = body;
+    link.mass = 1 / of.inverse_mass;
+    const Vector3d& r = link.centre;
+    link.inertia = Symmetric::of(of.inertia + link.mass * (r.squaredNorm() * Matrix3d::Identity() - r * r.transpose()));
+    link_of_body_[body] = push(link, -r);
+    if (link.joint != Tree::none) tree_.link_of_[link.joint] = link_of_body_[body];
+    for (const std::size_t joint : joints_at_[body]) {
+      if (joint != link.joint && !hang(joint, body)) return false;
+    }
+    return true;
+  }
+
+  std::size_t push(const Tree::Link& link, const Vector3d& origin) {
+    tree_.links_.push_back(link);
+    origin_of_.push_back(origin);
+    return tree_.links_.size() - 1;
+  }
+
+  static bool read_kind(const Joint& joint, Kind& kind) {
+    switch (dJointGetType(joint.id)) {
+      case dJointTypeBall:
+        kind = Kind::ball;
+        return true;
+      case dJointTypeHinge:
+        kind = Kind::hinge;
+        return true;
+      case dJointTypeUniversal:
+        kind = Kind::universal;
+        return true;
+      case dJointTypeSlider:
+        kind = Kind::slider;
+        return true;
+      case dJointTypeFixed:
+        kind = Kind::fixed;
+        return true;
+      default:
+        return false;
+    }
+  }
+
+  static Vector3d point(const Joint& joint, bool of_a) {
+    if (!joint.slides.empty()) return of_a ? joint.slides[0].on_a : joint.slides[0].on_b;
+    return of_a ? joint.points[0].on_a : joint.points[0].on_b;
+  }
+  static Vector3d axis(const Joint& joint, bool of_a) {
+    if (!joint.slides.empty()) return joint.slides[0].p.cross(joint.slides[1].p);
+    if (joint.squares.size() == 1) return of_a ? joint.squares[0].p : joint.squares[0].n;
+    if (joint.squares.size() == 2) return of_a ? joint.squares[0].p.cross(joint.squares[1].p) : joint.squares[0].n;
+    return Vector3d::Zero();
+  }
+  /// The axes that the world had when the joint was read, which its three squares keep together.
+  static Matrix3d same_turn(const Joint& joint, bool of_a) {
+    Matrix3d axes;
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      const Square& square = joint.squares[static_cast<std::size_t>(k)];
+      axes.col(of_a ? k : (k + 1) % 3) = of_a ? square.p : square.n;
+    }
+    return axes;
+  }
+
+  const Mechanism& mechanism_;
+  std::vector<std::vector<std::size_t>> joints_at_;  // by body
+  std::vector<std::size_t> joints_at_world_;
+  std::vector<std::size_t> link_of_body_;
+  std::vector<Vector3d> origin_of_;  // of each link, in its body's frame
+  Tree tree_;
+};
+
+std::optional<Tree> Tree::of(const Mechanism& mechanism) { return TreeBuilder(mechanism).build(); }
+
+void Tree::look(const State& state) {
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    const Link& link = links_[i];
+    Now& now = now_[i];
+    const Now& parent = parent_of(link);
+    now.arm.noalias() = parent.turn * link.arm;
+    if (link.body == none) {  // goes with its parent, and turns about its parent's axis
+      now.turn = parent.turn;
+      now.place = parent.place + now.arm;
+      now.along.noalias() = parent.turn * link.parent_axis;
+      continue;
+    }
+    const Pose& pose = state[link.body].pose;
+    now.turn = rotation(pose.turn);
+    now.centre.noalias() = now.turn * link.centre;
+    now.place = pose.position - now.centre;
+    if (link.kind == Kind::free) continue;
+    now.apart = now.place - parent.place - now.arm;
+    now.axis.noalias() = now.turn * link.axis;
+    now.parent_axis.noalias() = parent.turn * link.parent_axis;
+    // The rows of a hinge are square to the axis of its second body; a slider's axis is on its first.
+    const bool along_parents = (link.kind == Kind::hinge && link.is_a) || (link.kind == Kind::slider && !link.is_a);
+    now.along = along_parents ? now.parent_axis : now.axis;
+    if (link.kind == Kind::slider) now.arm += now.apart;
+  }
+}
+
+JointError Tree::find_gaps() {
+  JointError largest;
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    if (!has_joint(links_[i])) continue;
+    Offset& found = now_[i].gap;
+    gap(links_[i], now_[i], found);
+    double size = 0;
+    for (const Vector3d* const part : {&found.turning, &found.moving}) {
+      for (const double x : *part) size = std::fabs(x) <= size ? size : std::fabs(x);
+    }
+    if (size > largest.size || std::isnan(size)) largest = {size, links_[i].joint};
+  }
+  return largest;
+}
+
+/// What closes a joint.
+void Tree::gap(const Link& link, const Now& now, Offset& offset) const {
+  offset.turning.setZero();
+  offset.moving = -now.apart;
+  switch (link.kind) {
+    case Kind::hinge:
+      offset.turning = over_almost_one(now.axis.dot(now.parent_axis)) * now.axis.cross(now.parent_axis);
+      break;
+    case Kind::universal: {
+      const Vector3d across = now.axis.cross(now.parent_axis);
+      offset.turning = -now.axis.dot(now.parent_axis) / across.squaredNorm() * across;
+      break;
+    }
+    case Kind::slider:
+    case Kind::fixed: {
+      const Matrix3d child = now.turn * link.same_turn;
+      const Matrix3d parent = parent_of(link).turn * link.parent_same_turn;
+      for (Eigen::Index k = 0; k < 3; ++k) offset.turning += 0.5 * child.col(k).cross(parent.col(k));
+      if (link.kind == Kind::fixed) break;
+      offset.moving = without(offset.moving, now.along);
+      if (link.is_a) offset.moving += offset.turning.cross(now.apart);
+      break;
+    }
+    default:
+      break;
+  }
+}
+
+/// Of a joint's two bodies.
+struct Tree::Speeds {
+  Vector3d child_spin, parent_spin;
+  Vector3d apart;  // of the child's origin against the joint's place on the parent
+
+  Speeds(const Link& link, const Now& now, const State& state) {
+    const Twist& child = state[link.body].twist;
+    child_spin = child.angular;
+    apart = child.linear - child.angular.cross(now.centre);
+    parent_spin.setZero();
+    if (link.parent_body == world_body) return;
+    const BodyNow& parent = state[link.parent_body];
+    parent_spin = parent.twist.angular;
+    apart -= parent.twist.linear + parent_spin.cross(now.place - now.apart - parent.pose.position);
+  }
+  /// Of the body that has a slider's axis.
+  const Vector3d& axis_spin(const Link& link) const { return link.is_a ? child_spin : parent_spin; }
+};
+
+/// What makes the velocities of a joint's bodies agree.
+void Tree::slip(const Link& link, const Now& now, const State& state, Offset& offset) {
+  const Speeds speeds(link, now, state);
+  const Vector3d spin = speeds.child_spin - speeds.parent_spin;
+  offset.turning.setZero();
+  offset.moving = -speeds.apart;
+  switch (link.kind) {
+    case Kind::hinge:
+      offset.turning = without(-spin, now.along);
+      break;
+    case Kind::universal: {
+      const Vector3d across = now.axis.cross(now.parent_axis);
+      offset.turning = -across.dot(spin) / across.squaredNorm() * across;
+      break;
+    }
+    case Kind::slider:
+      offset.turning = -spin;
+      offset.moving = without(offset.moving + speeds.axis_spin(link).cross(now.apart), now.along);
+      if (link.is_a) offset.moving += offset.turning.cross(now.apart);
+      break;
+    case Kind::fixed:
+      offset.turning = -spin;
+      break;
+    default:
+      break;
+  }
+}
+
+/// Accelerations of a joint's bodies beside each other that their velocities make.
+void Tree::bias(const Link& link, const Now& now, const State& state, Offset& offset) {
+  const Vector3d& w = state[link.body].twist.angular;
+  const Vector3d& carried = parent_spin(link, state);
+  offset.turning = carried.cross(w);
+  offset.moving = carried.cross(carried.cross(now.arm));
+  switch (link.kind) {
+    case Kind::hinge: {
+      // Zero where they turn about the axis alone.
+      const Vector3d spin = w - carried;
+      const Vector3d askew = spin.dot(now.along) * spin - spin.squaredNorm() * now.along;
+      const double share = over_almost_one(now.axis.dot(now.parent_axis));
+      if (link.is_a) {
+        offset.turning -= share * askew.cross(now.axis);
+      } else {
+        offset.turning += share * askew.cross(now.parent_axis);
+      }
+      break;
+    }
+    case Kind::universal: {
+      const Vector3d across = now.axis.cross(now.parent_axis);
+      const Vector3d rate = w.cross(now.axis).cross(now.parent_axis) + now.axis.cross(carried.cross(now.parent_axis));
+      offset.turning = -rate.dot(w - carried) / across.squaredNorm() * across;
+      break;
+    }
+    case Kind::slider: {
+      const Speeds speeds(link, now, state);
+      const Vector3d& spin = speeds.axis_spin(link);
+      offset.moving =
+          carried.cross(carried.cross(now.arm - now.apart)) + spin.cross(2 * speeds.apart - spin.cross(now.apart));
+      if (link.is_a) offset.moving += offset.turning.cross(now.apart);
+      break;
+    }
+    default:
+      break;
+  }
+}
+
+void Tree::factor() {
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    const Link& link = links_[i];
+    Now& now = now_[i];
+    if (link.body == none) {
+      now.j = now.m = {};
+      now.h.setZero();
+      continue;
+    }
+    now.j = now.inertia = turned(now.turn, link.inertia);
+    now.m = {link.mass, link.mass, link.mass};
+    const Vector3d r = link.mass * now.centre;
+    now.h << 0, -r[2], r[1], r[2], 0, -r[0], -r[1], r[0], 0;
+  }
+  for (std::size_t i = links_.size(); i-- > 0;) {
+    eliminate(links_[i], now_[i]);
+    if (links_[i].parent != none) hand_on(now_[i], now_[links_[i].parent]);
+  }
+}
+
+/// Its inertia, to its parent's: of an arm a, h grows by a x m, and j by c + c', c = a x (h + a x m / 2)'.
+void Tree::hand_on(const Now& now, Now& parent) {
+  const Vector3d& a = now.arm;
+  const double m[3][3] = {
+      {now.m.xx, now.m.xy, now.m.xz}, {now.m.xy, now.m.yy, now.m.yz}, {now.m.xz, now.m.yz, now.m.zz}};
+  double c[3][3];
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    // Row k of a x m, which is column k of m x a.
+    const Eigen::Index u = (k + 1) % 3, v = (k + 2) % 3;
+    double half[3];
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      const double more = a[u] * m[v][i] - a[v] * m[u][i];
+      half[i] = now.h(k, i) + 0.5 * more;
+      parent.h(k, i) += now.h(k, i) + more;
+    }
+    c[0][k] = a[1] * half[2] - a[2] * half[1];
+    c[1][k] = a[2] * half[0] - a[0] * half[2];
+    c[2][k] = a[0] * half[1] - a[1] * half[0];
+  }
+  parent.j.add(now.j);
+  parent.j.add({2 * c[0][0], 2 * c[1][1], 2 * c[2][2], c[0][1] + c[1][0], c[0][2] + c[2][0], c[1][2] + c[2][1]});
+  parent.m.add(now.m);
+}
+
+void Tree::eliminate(const Link& link, Now& now) {
+  const auto take_out = [&] {
+    now.j.take(now.inverse, now.along_n);
+    now.m.take(now.inverse, now.along_f);
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      const double f = now.inverse * now.along_f[k];
+      for (Eigen::Index i = 0; i < 3; ++i) now.h(i, k) -= now.along_n[i] * f;
+    }
+  };
+  switch (link.kind) {
+    case Kind::hinge:
+    case Kind::universal:
+      now.along_n = now.j * now.along;
+      now.along_f.noalias() = now.h.transpose() * now.along;
+      now.inverse = 1 / now.along.dot(now.along_n);
+      if (link.parent != none) take_out();
+      break;
+    case Kind::slider:
+      now.along_n.noalias() = now.h * now.along;
+      now.along_f = now.m * now.along;
+      now.inverse = 1 / now.along.dot(now.along_f);
+      if (link.parent != none) take_out();
+      break;
+    case Kind::ball:
+      now.inverse_j = inverse(now.j.full());
+      now.coupling.noalias() = now.inverse_j * now.h;
+      now.m = Symmetric::of(now.m.full() - now.h.transpose() * now.coupling);
+      now.j = {};
+      now.h.setZero();
+      break;
+    case Kind::free:
+      now.inverse_m = inverse(now.m.full());
+      now.coupling.noalias() = now.inverse_m * now.h.transpose();
+      now.inverse_j = inverse(now.j.full() - now.h * now.coupling);
+      break;
+    case Kind::fixed:
+      break;
+  }
+}
+
+void Tree::accelerate(const State& state, const std::vector<Wrench>& forces, std::vector<Twist>& accelerations) {
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    const Link& link = links_[i];
+    Now& now = now_[i];
+    if (link.body == none) {
+      const Vector3d& carried = parent_spin(link, state);
+      unload(now);
+      now.offset.moving = carried.cross(carried.cross(now.arm));
+      continue;
+    }
+    const Wrench& force = forces[link.body];
+    const Vector3d& w = state[link.body].twist.angular;
+    now.n = w.cross(now.inertia * w) - now.centre.cross(force.force) - force.torque;
+    now.centripetal = w.cross(w.cross(now.centre));
+    now.f = link.mass * now.centripetal - force.force;
+    bias(link, now, state, now.offset);
+  }
+  solve(accelerations);
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    if (links_[i].body != none) accelerations[links_[i].body].linear += now_[i].centripetal;
+  }
+}
+
+void Tree::respond(const std::vector<Wrench>& impulses, std::vector<Twist>& changes) {
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    Now& now = now_[i];
+    unload(now);
+    if (links_[i].body == none) continue;
+    const Wrench& impulse = impulses[links_[i].body];
+    now.n = -now.centre.cross(impulse.force) - impulse.torque;
+    now.f = -impulse.force;
+  }
+  solve(changes);
+}
+
+void Tree::close(std::vector<Twist>& displacements) {
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    unload(now_[i]);
+    if (has_joint(links_[i])) now_[i].offset = now_[i].gap;
+  }
+  solve(displacements);
+}
+
+void Tree::agree(const State& state, std::vector<Twist>& changes) {
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    unload(now_[i]);
+    if (has_joint(links_[i])) slip(links_[i], now_[i], state, now_[i].offset);
+  }
+  solve(changes);
+}
+
+void Tree::unload(Now& now) {
+  for (Vector3d* const v : {&now.n, &now.f, &now.offset.turning, &now.offset.moving}) v->setZero();
+}
+
+const Vector3d& Tree::parent_spin(const Link& link, const State& state) {
+  static const Vector3d none_at_all = Vector3d::Zero();
+  return link.parent_body == world_body ? none_at_all : state[link.parent_body].twist.angular;
+}
+
+/// From loads and offsets to the motion of origins, and of bodies.
+void Tree::solve(std::vector<Twist>& twists) {
+  for (std::size_t i = links_.size(); i-- > 0;) {
+    const Link& link = links_[i];
+    Now& now = now_[i];
+    const bool to_world = link.parent == none;
+    switch (link.kind) {
+      case Kind::hinge:
+      case Kind::universal:
+      case Kind::slider:
+        now.push = -now.inverse * now.along.dot(link.kind == Kind::slider ? now.f : now.n);
+        if (to_world) break;
+        now.n += now.push * now.along_n;
+        now.f += now.push * now.along_f;
+        break;
+      case Kind::ball:
+        now.f.noalias() -= now.coupling.transpose() * now.n;
+        break;
+      default:
+        break;
+    }
+    if (to_world) continue;
+    Now& parent = now_[link.parent];
+    const auto& [turning, moving] = now.offset;
+    const Vector3d f = now.f + now.h.transpose() * turning + now.m * moving;
+    // What a ball's torque does to it, it does not hand on.
+    if (link.kind != Kind::ball) parent.n += now.n + now.j * turning + now.h * moving;
+    parent.n += now.arm.cross(f);
+    parent.f += f;
+  }
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    const Link& link = links_[i];
+    Now& now = now_[i];
+    const Now& parent = parent_of(link);
+    now.turning = parent.turning + now.offset.turning;
+    now.moving = parent.moving + parent.turning.cross(now.arm) + now.offset.moving;
+    switch (link.kind) {
+      case Kind::hinge:
+      case Kind::universal:
+      case Kind::slider: {
+        const double s = now.push - now.inverse * (now.along_n.dot(now.turning) + now.along_f.dot(now.moving));
+        (link.kind == Kind::slider ? now.moving : now.turning) += s * now.along;
+        break;
+      }
+      case Kind::ball:
+        now.turning = -(now.inverse_j * now.n + now.coupling * now.moving);
+        break;
+      case Kind::free: {
+        const Vector3d moving = now.inverse_m * now.f;
+        now.turning = now.inverse_j * (now.h * moving - now.n);
+        now.moving = -(moving + now.coupling * now.turning);
+        break;
+      }
+      case Kind::fixed:
+        break;
+    }
+    if (link.body == none) continue;
+    Twist& twist = twists[link.body];
+    twist.linear = now.moving + now.turning.cross(now.centre);
+    twist.angular = now.turning;
+  }
+}
+
+void Tree::keep_forces() {
+  for (const std::size_t i : link_of_) {
+    if (i == none || dJointGetFeedback(links_[i].id) == nullptr) continue;
+    const Link& link = links_[i];
+    Now& now = now_[i];
+    now.kept_force = now.f + now.h.transpose() * now.turning + now.m * now.moving;
+    // About the origin; of a ball joint there is none, and n is what was left to the ball itself.
+    Vector3d torque = Vector3d::Zero();
+    if (link.kind != Kind::ball) torque = now.n + now.j * now.turning + now.h * now.moving;
+    Vector3d from_parent = now.arm;  // from its centre
+    if (link.kind == Kind::universal) from_parent += now_[link.parent].arm;
+    if (link.parent_body != world_body) {
+      from_parent -= now_[link.kind == Kind::universal ? links_[link.parent].parent : link.parent].centre;
+    }
+    now.kept_torque = torque - now.centre.cross(now.kept_force);
+    now.kept_torque_on_parent = -torque - from_parent.cross(now.kept_force);
+  }
+}
+
+Wrench Tree::force(std::size_t joint, bool on_a) const {
+  if (link_of_[joint] == none) return {Vector3d::Zero(), Vector3d::Zero()};
+  const Now& now = now_[link_of_[joint]];
+  if (links_[link_of_[joint]].is_a == on_a) return {now.kept_force, now.kept_torque};
+  return {-now.kept_force, now.kept_torque_on_parent};
+}
+
+}  // namespace odeval::engine_rk4
