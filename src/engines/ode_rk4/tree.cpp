@@ -45,7 +45,8 @@ class TreeBuilder {
   }
 
   std::optional<Tree> build() {
-    if (mechanism_.joints.empty()) return std::nullopt;
+    const auto known = [](const Body& body) { return body.inverse_mass > 0 && !body.damped(); };
+    if (mechanism_.joints.empty() || !std::ranges::all_of(mechanism_.bodies, known)) return std::nullopt;
     tree_.link_of_.assign(mechanism_.joints.size(), Tree::none);
     link_of_body_.assign(mechanism_.bodies.size(), Tree::none);
     for (const std::size_t joint : joints_at_world_) {

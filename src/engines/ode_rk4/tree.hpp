@@ -52,7 +52,8 @@ struct Symmetric {
 
 class Tree {
  public:
-  /// Nothing where joints close a loop, or are of a kind that is not known here, or have motors.
+  /// Nothing where joints close a loop, are of a kind that is not known here or have motors, or where a body is
+  /// kinematic or damped.
   static std::optional<Tree> of(const Mechanism& mechanism);
 
   /// Takes the pose of a state: what follows is of it. `factor` takes more time than `look`; a factor of a pose nearby
