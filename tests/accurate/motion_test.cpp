@@ -105,8 +105,8 @@ struct FourBar {
 
   static double reference(double theta, double t) {
     odeval::reference::CvodeSolver solver(
-        2, [](const double* y, double* f) { f[0] = y[1], f[1] = acceleration(y[0], y[1]); }, {1e-13, 1e-14}, "four-bar",
-        t);
+        2, [](double, const double* y, double* f) { f[0] = y[1], f[1] = acceleration(y[0], y[1]); }, {1e-13, 1e-14},
+        "four-bar", t);
     const std::array<double, 2> start{theta, 0};
     solver.start(0, start.data());
     while (solver.end() < t) solver.step();
@@ -253,7 +253,7 @@ struct SlidingBox {
   static constexpr double start_angle = 0.4, start_way = 0.6;
   static constexpr double inertia_of(double mass, double a, double b) { return mass * (a * a + b * b) / 12; }
 
-  static void accelerations(const double* y, double* f) {
+  static void accelerations(double, const double* y, double* f) {
     const double t = y[0], r = y[1], t1 = y[2], r1 = y[3];
     const double inertia = inertia_of(rod, 2 * half, 0.1) + rod * half * half + inertia_of(box, 0.2, 0.1);
     const double m11 = inertia + box * (r * r + beside * beside), m12 = -box * beside, m22 = box;

@@ -56,7 +56,7 @@ class SpatialChain {
   Vector at(double t, const Vector& q, const Vector& qd) const {
     reference::CvodeSolver solver(
         2 * N,
-        [this](const double* y, double* f) {
+        [this](double, const double* y, double* f) {
           const Eigen::Map<const Vector> angle(y), rate(y + N);
           Eigen::Map<Vector>(f, static_cast<Eigen::Index>(N)) = rate;
           Eigen::Map<Vector>(f + N, static_cast<Eigen::Index>(N)) = acceleration(angle, rate);
