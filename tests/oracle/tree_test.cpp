@@ -329,8 +329,8 @@ void random_tree(const Scenario& scenario) {
   }
   const double coarse = error(world_step(), scenario, reference, 2e-4);
   const double fine = error(world_step(), scenario, reference, 1e-4);
-  const double rk_coarse = error(catalogue::make_accurate, scenario, reference, 2 * rk4_step_s);
-  const double rk_fine = error(catalogue::make_accurate, scenario, reference, rk4_step_s);
+  const double rk_coarse = error(catalogue::make_accurate_4, scenario, reference, 2 * rk4_step_s);
+  const double rk_fine = error(catalogue::make_accurate_4, scenario, reference, rk4_step_s);
   std::printf(
       "%s, %zu bodies: ODE %.3g -> %.3g (order %.3f), accurate step %.3g -> %.3g (order %.2f); energy %.2g J; "
       "stated %.2g m, %.2g rad\n",
@@ -369,8 +369,8 @@ void driven_tree(unsigned seed) {
   const Reference reference = reference::solve_tree(scenario, rows_of(row_spacing_s));
   const double coarse = error(world_step(), scenario, reference, 5e-4);
   const double fine = error(world_step(), scenario, reference, 5e-5);
-  const double rk_coarse = error(catalogue::make_accurate, scenario, reference, 2 * rk4_step_s);
-  const double rk_fine = error(catalogue::make_accurate, scenario, reference, rk4_step_s);
+  const double rk_coarse = error(catalogue::make_accurate_4, scenario, reference, 2 * rk4_step_s);
+  const double rk_fine = error(catalogue::make_accurate_4, scenario, reference, rk4_step_s);
   std::printf("%s driven, %zu bodies: ODE %.3g -> %.3g, accurate step %.3g -> %.3g; stated %.2g m, %.2g rad\n",
               scenario.name.c_str(), scenario.mechanism.bodies.size(), coarse, fine, rk_coarse, rk_fine,
               reference.uncertainty_position.back(), reference.uncertainty_turn.back());
@@ -387,13 +387,13 @@ void driven_tree(unsigned seed) {
 void mistakes_are_seen() {
   const Scenario right = grown(5);
   const double known =
-      error(catalogue::make_accurate, right, reference::solve_tree(right, rows_of(row_spacing_s)), rk4_step_s);
+      error(catalogue::make_accurate_4, right, reference::solve_tree(right, rows_of(row_spacing_s)), rk4_step_s);
   using Plant = std::function<void(Scenario&)>;
   const auto plant = [&](const char* what, const Plant& mistake) {
     Scenario wrong = right;
     mistake(wrong);
     const Reference reference = reference::solve_tree(wrong, rows_of(row_spacing_s));
-    const double off = error(catalogue::make_accurate, right, reference, rk4_step_s);
+    const double off = error(catalogue::make_accurate_4, right, reference, rk4_step_s);
     const double order =
         observed_order(error(world_step(), right, reference, 2e-4), error(world_step(), right, reference, 1e-4));
     std::printf("%s: accurate step %.3g off, with the right reference %.3g; order of ODE %.2f\n", what, off, known,
