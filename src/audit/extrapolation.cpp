@@ -52,17 +52,28 @@ void Spread::add(const Spread& other) {
   for (std::size_t i = 0; i < off_.size(); ++i) raise(off_[i], other.off_[i]);
 }
 
-// T(last, j) is nearer to the limit than T(last-1, j), so that their distance is about the error of the worse of them;
-// of degree 0, where at first order it is no more than that of the better, twice. The pair before it, at the rate at
-// which degree j falls, keeps a chance nearness of the last two from counting.
+// T(last, 0) is off by about its distance from T(last-1, 0) where errors halve: twice that. The pair before it, at the
+// rate of first order, keeps a chance nearness of the last two from counting.
+double Spread::uncertainty_of_values() const {
+  const std::size_t last = runs() - 1;
+  double its = apart(last, 0);
+  if (last >= 2) raise(its, apart(last - 1, 0) * steps_[last] / steps_[last - 1]);
+  return 2 * its;
+}
+
+// Distances that fall by the factor r from pair to pair leave 1 / (r - 1) of the last one: less than it where they
+// fall as the degree promises, and more where the values are no polynomial. The last degree has one pair only, and is
+// believed as far as the one below it.
 double Spread::uncertainty(std::size_t degree) const {
+  if (degree == 0) return uncertainty_of_values();
   const std::size_t last = runs() - 1;
   double its = apart(last, degree);
-  if (last >= degree + 2) {
-    const double rate = std::pow(steps_[last] / steps_[last - 1], static_cast<double>(degree + 1));
-    raise(its, apart(last - 1, degree) * rate);
-  }
-  return degree == 0 ? 2 * its : its;
+  if (last < 2) return its;
+  const std::size_t witness = std::min(degree, last - 2);
+  const double falls = apart(last - 1, witness) / apart(last, witness);
+  constexpr double hardly = 1.05;
+  if (!(apart(last, witness) > 0)) return its;
+  return its * std::max(1.0, 1 / (std::max(falls, hardly) - 1));
 }
 
 std::size_t Spread::best_degree() const {

@@ -38,6 +38,7 @@ class Spread {
   /// By the distances of run `first` and run `last` from those before them.
   std::optional<double> order_of(std::size_t first, std::size_t last) const;
   double uncertainty(std::size_t degree) const;
+  double uncertainty_of_values() const;
   Convergence convergence(const Estimate& error, double unseen) const;
   std::size_t best_degree() const;
 

@@ -163,6 +163,7 @@ class Judge {
     energy_ =
         Spread(records_.refinements);  // of this step alone: in an impact that comes later energies differ for a moment
     energy_.add(energies.data(), 1, 1);
+    touched_ = touched_ || own.frame.contacts > 0;
     take_moved(own);
     chaos_.steps = own.frame.step * static_cast<std::uint64_t>(records_.refinements.back());
     answer_.until_s = std::max(answer_.until_s, own.frame.t);
@@ -239,6 +240,10 @@ class Judge {
     row.t_s = t;
     row.distance_m = distance(all_.distance);
     row.turn_rad = turn(all_.turn);
+    // Where bodies touch, one that has no limit takes its attitude, or its place, with it.
+    if (touched_ && row.convergence() == Convergence::none) {
+      row.distance_m.convergence = row.turn_rad.convergence = Convergence::none;
+    }
     // A metre and a radian are as good as each other for asking how errors fall.
     const bool rather_turned = row.turn_rad.value > row.distance_m.value;
     row.order = (rather_turned ? all_.turn : all_.distance).order();
@@ -363,6 +368,7 @@ class Judge {
   Spread energy_;
   Chaos chaos_;
   double most_turned_ = 0;
+  bool touched_ = false;                          // bodies, so far
   std::vector<PathPoint> path_;                   // of the error, each time it has grown by a hundredth
   std::vector<std::vector<Estimate>> distances_;  // of the runs, at each time of the report
   int next_report_ = first_report;

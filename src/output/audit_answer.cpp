@@ -222,6 +222,19 @@ Json tried_json(const Answer& answer) {
   return list;
 }
 
+/// What leaves less than half of the error; nothing where nothing does.
+Json recommended_json(const Answer& answer) {
+  if (answer.error_at.empty()) return {};
+  const auto error = [&](const audit::Tried& one) { return one.distance_m[answer.tried_at].value; };
+  const audit::Tried* best = nullptr;
+  for (const audit::Tried& one : answer.tried) {
+    if (std::isnan(error(one))) continue;  // it has ended before
+    if (best == nullptr || error(one) < error(*best)) best = &one;
+  }
+  const bool worth_it = best != nullptr && error(*best) < 0.5 * answer.error_at[answer.tried_at].distance_m.value;
+  return worth_it ? Json(best->set) : Json();
+}
+
 Json runs_json(const Answer& answer) {
   Json list = Json::array();
   for (const audit::ProgramRun& run : answer.runs) {
@@ -295,6 +308,7 @@ std::string audit_json(const Answer& answer) {
   }
   json["step_for"] = std::move(steps);
   json["settings"] = tried_json(answer);
+  json["recommended"] = recommended_json(answer);
   json["softness"] = json_of(answer.softness_m);
   json["energy"] = {{"begin", json_number(answer.energy.begin_J)},
                     {"end", json_number(answer.energy.end_J)},

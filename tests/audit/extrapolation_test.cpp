@@ -45,7 +45,7 @@ void the_error_of_each_run() {
 
 // As an impact that falls anywhere in a step leaves it: h times something between 0 and 1, another at each step. In the
 // first part of a step all runs have it between the same two grid points, and agree on a limit that is off by its place
-// there, up to an eighth: the judge adds that. With it every place is covered, and without it five in eight.
+// there, up to an eighth: the judge adds that. With it every place is covered, and without it half of them.
 void jagged_values_are_covered() {
   int covered = 0;
   int without = 0;
@@ -59,7 +59,7 @@ void jagged_values_are_covered() {
     if (off <= error.uncertainty) ++without;
   }
   CHECK_EQUAL(covered, cases);
-  CHECK_BETWEEN(without / double{cases}, 0.6, 0.65);
+  CHECK_BETWEEN(without / double{cases}, 0.45, 0.55);
 }
 
 void what_moves_apart_has_no_limit() {
