@@ -127,7 +127,7 @@ void check_engines(const char* what, const Scenario& scenario, const FormAt& for
     std::printf("%s: ODE at %g: %.4g, order %.3f\n", what, h, off, order);
     before = off;
   }
-  const double rk4 = error(catalogue::make_accurate, scenario, form(1e-3), 1e-3);
+  const double rk4 = error(catalogue::make_accurate_4, scenario, form(1e-3), 1e-3);
   std::printf("%s: accurate step %.3g\n", what, rk4);
   CHECK_BETWEEN(order, 0.9, most_order);
   CHECK_BETWEEN(rk4, 0, rk4_most);
