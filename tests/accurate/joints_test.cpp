@@ -266,7 +266,10 @@ void check_kinematic() {
   World::move(wall, {0, 0, -1}, {0, 0, 0});
   dCreatePlane(still.space, 0, 0, 1, -0.6);
   AccurateStep through(still.id, still.space, options);
-  for (int k = 0; k < 300; ++k) through(1e-3);
+  for (int k = 0; k < 300; ++k) {
+    through(1e-3);
+    CHECK(through.touches().empty());
+  }
   CHECK_NEAR(dBodyGetPosition(wall)[2], -0.3, 1e-12);
 }
 
@@ -349,6 +352,38 @@ void check_plane() {
   CHECK_NEAR(dBodyGetPosition(plate)[1], 2 + 0.75, 1e-12);  // F t^2 / 2 m, torques held by the plane but for z
 }
 
+/// What is changed between steps is taken as it is then, and makes a difference: the same bits as a step made
+/// afterwards.
+void check_noticed() {
+  const auto taken = [](const char* what, const Make& make, const std::function<void(dJointID)>& change) {
+    Arm changed(make), fresh(make), left(make);
+    AccurateStep step(changed.world.id, changed.world.space), other(fresh.world.id, fresh.world.space);
+    AccurateStep same(left.world.id, left.world.space);
+    for (int k = 0; k < 3; ++k) step(1e-3), other(1e-3), same(1e-3);
+    change(changed.joint);
+    change(fresh.joint);
+    AccurateStep made_after(fresh.world.id, fresh.world.space);
+    step(1e-3), made_after(1e-3), same(1e-3);
+    const bool good = changed.world.state() == fresh.world.state() && changed.world.state() != left.world.state();
+    if (!good) std::printf("not noticed: %s\n", what);
+    CHECK(good);
+  };
+  taken("piston's axis", piston, [](dJointID joint) { dJointSetPistonAxis(joint, 0, 1, 0); });
+  taken("piston's motor", piston, [](dJointID joint) { dJointSetPistonParam(joint, dParamFMax2, 1); });
+  taken("PR's way", pr, [](dJointID joint) { dJointSetPRAxis1(joint, 0, 1, 0); });
+  taken("PR's motor", pr, [](dJointID joint) { dJointSetPRParam(joint, dParamFMax, 1); });
+  taken("PU's axis", pu, [](dJointID joint) { dJointSetPUAxis1(joint, 1, 0.1, 0.075); });
+  taken("PU's motor", pu, [](dJointID joint) { dJointSetPUParam(joint, dParamFMax3, 1); });
+  taken("dball's anchor", dball, [](dJointID joint) { dJointSetDBallAnchor1(joint, 0, 0.1, -1); });
+  taken("dhinge's anchor", dhinge, [](dJointID joint) { dJointSetDHingeAnchor1(joint, 0, 0.1, -1); });
+  taken("hinge2's suspension", hinge2, [](dJointID joint) {
+    dJointSetHinge2Param(joint, dParamSuspensionERP, 0.5);
+    dJointSetHinge2Param(joint, dParamSuspensionCFM, 0.1);
+  });
+  taken("hinge2's anchor", hinge2, [](dJointID joint) { dJointSetHinge2Anchor(joint, 0, 0, -1); });
+  taken("hinge2's motor", hinge2, [](dJointID joint) { dJointSetHinge2Param(joint, dParamFMax2, 1); });
+}
+
 }  // namespace
 
 int main() {
@@ -366,5 +401,6 @@ int main() {
   check_disabled();
   check_feedback();
   check_plane();
+  check_noticed();
   return odeval::test::verdict();
 }

@@ -341,6 +341,8 @@ void check_noticed() {
     dMassSetBoxTotal(&mass, 5, 0.1, 0.1, 1);
     dBodySetMass(w.two, &mass);
   });
+  taken([](Pendulum& w) { dBodySetAngularDamping(w.two, 0.1); });
+  taken([](Pendulum& w) { dBodySetKinematic(w.one); });
   taken([](Pendulum& w) { dJointDisable(w.second); });
   taken([](Pendulum& w) {  // the new joint may have the old one's address
     dJointDestroy(w.second);
