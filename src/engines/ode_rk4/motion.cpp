@@ -68,7 +68,8 @@ Motion::Motion(Mechanism mechanism, int order, bool along_trees)
   acceleration_.resize(bodies);
   correction_.resize(bodies);
   stage_.resize(bodies);
-  rates_.assign(formula_->stages.size(), std::vector<Rate>(bodies));
+  stages_.assign(formula_->stages.size(),
+                 {State(bodies), std::vector<Eigen::Vector4d>(bodies), std::vector<Twist>(bodies)});
   const JointRows none{Matrix6::Zero(), Matrix6::Zero(), Vector6::Zero(), Vector6::Zero()};
   rows_.assign(joints, none);
   rows_of_stage_.assign(joints, none);
@@ -169,19 +170,19 @@ void Motion::solve_onto(std::vector<Twist>& twists) {
   }
 }
 
-void Motion::accelerate(const State& state, const std::vector<Wrench>& forces) {
+void Motion::accelerate(const State& state, const std::vector<Wrench>& forces, std::vector<Twist>& accelerations) {
   look(state);
   factor();
   if (tree_) {
-    tree_->accelerate(state, forces, acceleration_);
+    tree_->accelerate(state, forces, accelerations);
     return;
   }
   for (std::size_t i = 0; i < state.size(); ++i) {
     const Body& body = mechanism_.bodies[i];
     const Vector3d& w = state[i].twist.angular;
     const Vector3d spin = turns_[i] * (body.inertia * (turns_[i].transpose() * w));
-    acceleration_[i].linear = body.inverse_mass * forces[i].force;
-    acceleration_[i].angular.noalias() = inverse_inertias_[i] * (forces[i].torque - w.cross(spin));
+    accelerations[i].linear = body.inverse_mass * forces[i].force;
+    accelerations[i].angular.noalias() = inverse_inertias_[i] * (forces[i].torque - w.cross(spin));
   }
   for (const MotorPlace& place : motors_) {
     const Motor& motor = place.of(mechanism_);
@@ -192,14 +193,14 @@ void Motion::accelerate(const State& state, const std::vector<Wrench>& forces) {
       if (body == world_body) return;
       const Twist change =
           free_change(body, motor.slides ? Wrench{force, arm.cross(force)} : Wrench{Vector3d::Zero(), force});
-      acceleration_[body].linear += change.linear;
-      acceleration_[body].angular += change.angular;
+      accelerations[body].linear += change.linear;
+      accelerations[body].angular += change.angular;
     };
     push(joint.a, line.on_a, motor.force * line.axis);
     push(joint.b, line.on_b, -motor.force * line.axis);
   }
   for (std::size_t j = 0; j < rows_.size(); ++j) lambda_[j] = rows_[j].bias;
-  solve_onto(acceleration_);
+  solve_onto(accelerations);
 }
 
 void Motion::release() {
@@ -208,7 +209,7 @@ void Motion::release() {
 
 void Motion::feel(const State& state, Forces& forces, double t) {
   if (forces.renew) forces.renew(t, state, forces.now);
-  accelerate(state, forces.now);
+  accelerate(state, forces.now, acceleration_);
 }
 
 double Motion::too_fast(const MotorPlace& place, const State& state) const {
@@ -281,32 +282,29 @@ JointErrors Motion::step(const State& from, Forces& forces, double h, State& to)
       BodyNow& body = sum[i];
       body = from[i];
       for (const RungeKutta::Part& part : parts) {
-        const Rate& rate = rates_[part.stage][i];
+        const Stage& stage = stages_[part.stage];
         const double share = part.share * h;
-        body.pose.position += share * rate.position;
-        body.pose.turn += share * rate.turn;
-        body.twist.linear += share * rate.twist.linear;
-        body.twist.angular += share * rate.twist.angular;
+        body.pose.position += share * stage.state[i].twist.linear;
+        body.pose.turn += share * stage.turn_rates[i];
+        body.twist.linear += share * stage.accelerations[i].linear;
+        body.twist.angular += share * stage.accelerations[i].angular;
       }
     }
   };
   JointError start_error;
-  for (std::size_t s = 0; s < formula_->stages.size(); ++s) {
-    const RungeKutta::Stage& stage = formula_->stages[s];
-    combine(stage.from, stage_);
-    if (forces.renew) forces.renew(forces.start + stage.at * h, stage_, forces.now);
-    accelerate(stage_, forces.now);
+  for (std::size_t s = 0; s < stages_.size(); ++s) {
+    Stage& stage = stages_[s];
+    combine(formula_->stages[s].from, stage.state);
+    if (forces.renew) forces.renew(forces.start + formula_->stages[s].at * h, stage.state, forces.now);
+    accelerate(stage.state, forces.now, stage.accelerations);
     if (s == 0) start_error = largest_error();
-    for (std::size_t i = 0; i < stage_.size(); ++i) {
-      const BodyNow& here = stage_[i];
-      Rate& rate = rates_[s][i];
-      rate.position = here.twist.linear;
-      rate.turn = turn_rate(here.twist.angular, here.pose.turn);
-      rate.twist = acceleration_[i];
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      stage.turn_rates[i] = turn_rate(stage.state[i].twist.angular, stage.state[i].pose.turn);
     }
   }
   to.resize(from.size());
   combine(formula_->weights, to);
+  std::swap(stage_, stages_.back().state);
   if (tree_) {
     tree_->keep_forces();
   } else {
