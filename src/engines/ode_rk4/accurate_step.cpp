@@ -65,7 +65,7 @@ class AccurateStep::World {
     try {
       flight_.advance(state_, forces_, h, fresh_);
     } catch (...) {
-      saved_.restore();
+      saved_.restore(state_);
       throw;
     }
     write();

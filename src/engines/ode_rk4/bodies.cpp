@@ -72,24 +72,22 @@ void Saved::save(const Mechanism& mechanism) {
     const dBodyID id = mechanism.bodies[i].id;
     Exact& body = bodies_[i];
     body.id = id;
-    std::copy_n(dBodyGetPosition(id), 3, body.position);
-    std::copy_n(dBodyGetQuaternion(id), 4, body.quaternion);
     std::copy_n(dBodyGetRotation(id), 12, body.rotation);
-    std::copy_n(dBodyGetLinearVel(id), 3, body.velocity);
-    std::copy_n(dBodyGetAngularVel(id), 3, body.spin);
     std::copy_n(dBodyGetForce(id), 3, body.force);
     std::copy_n(dBodyGetTorque(id), 3, body.torque);
   }
 }
 
-void Saved::restore() const {
-  for (const Exact& body : bodies_) {
-    dBodySetPosition(body.id, body.position[0], body.position[1], body.position[2]);
-    dBodySetLinearVel(body.id, body.velocity[0], body.velocity[1], body.velocity[2]);
-    dBodySetAngularVel(body.id, body.spin[0], body.spin[1], body.spin[2]);
+void Saved::restore(const State& state) const {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const dBodyID id = bodies_[i].id;
+    const auto& [pose, twist] = state[i];
+    dBodySetPosition(id, pose.position[0], pose.position[1], pose.position[2]);
+    dBodySetLinearVel(id, twist.linear[0], twist.linear[1], twist.linear[2]);
+    dBodySetAngularVel(id, twist.angular[0], twist.angular[1], twist.angular[2]);
     // Setting a quaternion normalises it and computes the matrix anew, which may change a last digit of either.
-    std::copy_n(body.quaternion, 4, const_cast<dReal*>(dBodyGetQuaternion(body.id)));
-    std::copy_n(body.rotation, 12, const_cast<dReal*>(dBodyGetRotation(body.id)));
+    std::copy_n(pose.turn.data(), 4, const_cast<dReal*>(dBodyGetQuaternion(id)));
+    std::copy_n(bodies_[i].rotation, 12, const_cast<dReal*>(dBodyGetRotation(id)));
   }
   restore_forces();
 }

@@ -16,18 +16,19 @@ void show_twists(const Mechanism& mechanism, const State& state);
 
 bool finite(const State& state);
 
-/// What bodies were when it was made: poses, velocities and forces.
+/// What bodies have besides a state, when it was made: forces, and the rotation matrices to the last bit.
 class Saved {
  public:
   void save(const Mechanism& mechanism);
-  void restore() const;
+  /// Puts them back, and the state that was read then.
+  void restore(const State& state) const;
   /// Forces and torques alone.
   void restore_forces() const;
 
  private:
   struct Exact {
     dBodyID id;
-    dReal position[3], quaternion[4], rotation[12], velocity[3], spin[3], force[3], torque[3];
+    dReal rotation[12], force[3], torque[3];
   };
   std::vector<Exact> bodies_;
 };

@@ -60,7 +60,8 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
   try {
     if (fresh) settle(here_, options_.start_gap);
     fly(h);
-    if (!finite(there_)) refuse("the motion left the finite numbers; take a smaller step");
+    if (collider_.works(motion_.mechanism()) && !finite(there_))
+      refuse("the motion left the finite numbers; take a smaller step");
   } catch (...) {
     resting_ = rested;
     crowded_ = crowded;

@@ -77,7 +77,8 @@ Motion::Motion(Mechanism mechanism, int order, bool along_trees)
   acceleration_.resize(bodies);
   correction_.resize(bodies);
   stage_.resize(bodies);
-  rates_.assign(formula_->stages.size(), std::vector<Rate>(bodies));
+  stages_.assign(formula_->stages.size(),
+                 {State(bodies), std::vector<Eigen::Vector4d>(bodies), std::vector<Twist>(bodies)});
   const JointRows none{Matrix6::Zero(), Matrix6::Zero(), Vector6::Zero(), Vector6::Zero()};
   rows_.assign(joints, none);
   rows_of_stage_.assign(joints, none);
@@ -178,49 +179,50 @@ void Motion::solve_onto(std::vector<Twist>& twists) {
   }
 }
 
-void Motion::accelerate(const State& state, const std::vector<Wrench>& forces) {
+void Motion::accelerate(const State& state, const std::vector<Wrench>& forces, std::vector<Twist>& accelerations) {
   look(state);
   factor();
   if (tree_) {
-    tree_->accelerate(state, forces, acceleration_);
+    tree_->accelerate(state, forces, accelerations);
     return;
   }
   for (std::size_t i = 0; i < state.size(); ++i) {
     const Body& body = mechanism_.bodies[i];
     const Vector3d& w = state[i].twist.angular;
     const Vector3d spin = turns_[i] * (body.inertia * (turns_[i].transpose() * w));
-    acceleration_[i].linear = body.inverse_mass * forces[i].force;
-    acceleration_[i].angular.noalias() = inverse_inertias_[i] * (forces[i].torque - w.cross(spin));
+    accelerations[i].linear = body.inverse_mass * forces[i].force;
+    accelerations[i].angular.noalias() = inverse_inertias_[i] * (forces[i].torque - w.cross(spin));
   }
   for (const MotorPlace& place : motors_) {
     const Motor& motor = place.of(mechanism_);
     if (motor.drive != Drive::pushes) continue;
     const Joint& joint = mechanism_.joints[place.joint];
-    push_along(joint, line_of(joint, motor, state, turns_), motor.slides, motor.force);
+    push_along(joint, line_of(joint, motor, state, turns_), motor.slides, motor.force, accelerations);
   }
   for (const std::size_t j : sprung_) {
     const Joint& joint = mechanism_.joints[j];
     for (const Spring& spring : joint.springs) {
-      push_along(joint, line_of(joint, spring, state, turns_), true, pull(joint, spring, state, turns_));
+      push_along(joint, line_of(joint, spring, state, turns_), true, pull(joint, spring, state, turns_), accelerations);
     }
   }
   for (const std::size_t i : damped_) {
     const Body& body = mechanism_.bodies[i];
     const Twist& twist = state[i].twist;
-    acceleration_[i].linear -= body.linear.of(twist.linear) * twist.linear;
-    acceleration_[i].angular -= body.angular.of(twist.angular) * twist.angular;
+    accelerations[i].linear -= body.linear.of(twist.linear) * twist.linear;
+    accelerations[i].angular -= body.angular.of(twist.angular) * twist.angular;
   }
   for (std::size_t j = 0; j < rows_.size(); ++j) lambda_[j] = rows_[j].bias;
-  solve_onto(acceleration_);
+  solve_onto(accelerations);
 }
 
 /// On a, and the other way on b.
-void Motion::push_along(const Joint& joint, const MotorLine& line, bool slides, double force) {
+void Motion::push_along(const Joint& joint, const MotorLine& line, bool slides, double force,
+                        std::vector<Twist>& accelerations) {
   const auto push = [&](std::size_t body, const Vector3d& arm, const Vector3d& by) {
     if (body == world_body) return;
     const Twist change = free_change(body, slides ? Wrench{by, arm.cross(by)} : Wrench{Vector3d::Zero(), by});
-    acceleration_[body].linear += change.linear;
-    acceleration_[body].angular += change.angular;
+    accelerations[body].linear += change.linear;
+    accelerations[body].angular += change.angular;
   };
   push(joint.a, line.on_a, force * line.axis);
   push(joint.b, line.on_b, -force * line.axis);
@@ -282,7 +284,7 @@ void Motion::release() {
 
 void Motion::feel(const State& state, Forces& forces, double t) {
   if (forces.renew) forces.renew(t, state, forces.now);
-  accelerate(state, forces.now);
+  accelerate(state, forces.now, acceleration_);
 }
 
 double Motion::too_fast(const MotorPlace& place, const State& state) const {
@@ -381,32 +383,29 @@ JointErrors Motion::step(const State& from, Forces& forces, double h, State& to)
       BodyNow& body = sum[i];
       body = from[i];
       for (const RungeKutta::Part& part : parts) {
-        const Rate& rate = rates_[part.stage][i];
+        const Stage& stage = stages_[part.stage];
         const double share = part.share * h;
-        body.pose.position += share * rate.position;
-        body.pose.turn += share * rate.turn;
-        body.twist.linear += share * rate.twist.linear;
-        body.twist.angular += share * rate.twist.angular;
+        body.pose.position += share * stage.state[i].twist.linear;
+        body.pose.turn += share * stage.turn_rates[i];
+        body.twist.linear += share * stage.accelerations[i].linear;
+        body.twist.angular += share * stage.accelerations[i].angular;
       }
     }
   };
   JointError start_error;
-  for (std::size_t s = 0; s < formula_->stages.size(); ++s) {
-    const RungeKutta::Stage& stage = formula_->stages[s];
-    combine(stage.from, stage_);
-    if (forces.renew) forces.renew(forces.start + stage.at * h, stage_, forces.now);
-    accelerate(stage_, forces.now);
+  for (std::size_t s = 0; s < stages_.size(); ++s) {
+    Stage& stage = stages_[s];
+    combine(formula_->stages[s].from, stage.state);
+    if (forces.renew) forces.renew(forces.start + formula_->stages[s].at * h, stage.state, forces.now);
+    accelerate(stage.state, forces.now, stage.accelerations);
     if (s == 0) start_error = largest_error();
-    for (std::size_t i = 0; i < stage_.size(); ++i) {
-      const BodyNow& here = stage_[i];
-      Rate& rate = rates_[s][i];
-      rate.position = here.twist.linear;
-      rate.turn = turn_rate(here.twist.angular, here.pose.turn);
-      rate.twist = acceleration_[i];
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      stage.turn_rates[i] = turn_rate(stage.state[i].twist.angular, stage.state[i].pose.turn);
     }
   }
   to.resize(from.size());
   combine(formula_->weights, to);
+  std::swap(stage_, stages_.back().state);
   if (tree_) {
     tree_->keep_forces();
   } else {

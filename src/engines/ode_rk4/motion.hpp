@@ -25,13 +25,6 @@ struct Wrench {
   Vector3d torque;
 };
 
-/// dy/dt of one body.
-struct Rate {
-  Vector3d position;
-  Eigen::Vector4d turn;
-  Twist twist;
-};
-
 /// dq/dt at an angular velocity in the world.
 Eigen::Vector4d turn_rate(const Vector3d& w, const Eigen::Vector4d& q);
 /// A turn by a rotation vector in the world, exact in its angle.
@@ -112,6 +105,12 @@ class Motion {
   }
 
  private:
+  /// Of the Runge-Kutta formula.
+  struct Stage {
+    State state;
+    std::vector<Eigen::Vector4d> turn_rates;
+    std::vector<Twist> accelerations;
+  };
   struct MotorPlace {
     std::size_t joint, motor;
     Motor& of(Mechanism& mechanism) const { return mechanism.joints[joint].motors[motor]; }
@@ -125,8 +124,9 @@ class Motion {
   void factor();                  // the matrix of the rows
   void add_product(std::size_t i, std::size_t j, std::size_t body, Matrix6& block) const;
   void wake();
-  void accelerate(const State& state, const std::vector<Wrench>& forces);
-  void push_along(const Joint& joint, const MotorLine& line, bool slides, double force);
+  void accelerate(const State& state, const std::vector<Wrench>& forces, std::vector<Twist>& accelerations);
+  void push_along(const Joint& joint, const MotorLine& line, bool slides, double force,
+                  std::vector<Twist>& accelerations);
   JointErrors finish(State& state, const JointError& found);
   void project_velocities(State& state);
   void release();
@@ -155,8 +155,8 @@ class Motion {
   std::vector<Vector6> stage_lambda_;
   std::vector<Twist> acceleration_;
   std::vector<Twist> correction_;
-  State stage_;
-  std::vector<std::vector<Rate>> rates_;  // by stage and body
+  State stage_;  // the last one of the last step
+  std::vector<Stage> stages_;
 };
 
 }  // namespace odeval::engine_rk4
