@@ -72,8 +72,7 @@ const ReferenceProvider& provider_for(const Scenario& scenario) {
   if (found != table.end()) return *found;
   const Features missing = features_of(scenario) - known;
   if (!missing.empty()) {
-    throw UserError(scenario.file + ": there is no reference for what has " + listed(missing) +
-                    std::string(without));
+    throw UserError(scenario.file + ": there is no reference for what has " + listed(missing) + std::string(without));
   }
   throw UserError(scenario.file +
                   ": there is no reference for these bodies, joints and contacts together: there are references of " +
