@@ -86,8 +86,8 @@ struct AccurateStepOptions {
   /// Bodies that neither a geom of the space nor a joint leads to, for ODE has no list of a world's bodies; others may
   /// be named too. They must live as long as the step.
   std::vector<dxBody*> bodies;
-  /// m and rad, > 0. A larger error of a joint at the start of a step, and a larger overlap that can not be pushed out,
-  /// are an AccurateStepError; smaller errors are mended by projection.
+  /// m and rad, > 0. A larger error of a joint at the start of a step, and a larger overlap at the start of a run that
+  /// can not be pushed out, are an AccurateStepError; smaller errors are mended by projection.
   double start_gap = 1e-3;
   /// m/s, >= 0. What comes to a contact slower than this does not bounce, and what leaves it slower rests.
   double rest_speed = 1e-3;

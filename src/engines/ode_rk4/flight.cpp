@@ -391,7 +391,8 @@ void Flight::settle_crowd(State& state, double h) {
     bounced = bounced || comes;
     if (!comes) contact.restitution = 0;
   }
-  crowded_ = bounced ? calm_steps : crowded_ - 1;
+  // Rest takes no deeper overlaps.
+  crowded_ = bounced || deepest_of(contacts_) > options_.start_gap ? calm_steps : crowded_ - 1;
   motion_.project(state);  // the matrix of this pose, for the impulses
   recall();
   const Impact impact(motion_, contacts_, state);
@@ -460,15 +461,9 @@ bool Flight::hold(State& state, double h) {
     look(state);
     at_rest();
   }
-  const double overlap = deepest_of(contacts_);
-  if (overlap > options_.start_gap) {
-    look(here_);
-    crowded_ = calm_steps;  // what came so near in this step is left to the crowd's scheme
-    if (deepest_of(contacts_) > options_.start_gap) {
-      refuse("an overlap of " + shown(overlap) + " m can not be pushed out; at most " + shown(options_.start_gap) +
-             " are left to later steps");
-    }
-  }
+  // At the start of a run it is refused; what comes so near later, between jaws of joints, is left to the crowd's
+  // scheme.
+  if (deepest_of(contacts_) > options_.start_gap) crowded_ = calm_steps;
   resting_ = std::move(rest);
   return touched;
 }

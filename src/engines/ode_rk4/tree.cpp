@@ -76,6 +76,7 @@ class TreeBuilder {
     link.id = joint.id;
     link.parent_body = parent;
     link.parent = parent == world_body ? Tree::none : link_of_body_[parent];
+    tree_.floats_ = tree_.floats_ || (link.parent != Tree::none && tree_.links_[link.parent].kind == Kind::free);
     const Vector3d from = parent == world_body ? Vector3d(Vector3d::Zero()) : origin_of_[link.parent];
     link.centre = -point(joint, link.is_a);
     link.arm = point(joint, !link.is_a) - from;
@@ -168,6 +169,7 @@ class TreeBuilder {
 std::optional<Tree> Tree::of(const Mechanism& mechanism) { return TreeBuilder(mechanism).build(); }
 
 void Tree::look(const State& state) {
+  stale_ = true;
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const Link& link = links_[i];
     Now& now = now_[i];
@@ -323,6 +325,7 @@ void Tree::bias(const Link& link, const Now& now, const State& state, Offset& of
 }
 
 void Tree::factor() {
+  stale_ = false;
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const Link& link = links_[i];
     Now& now = now_[i];
@@ -430,6 +433,7 @@ void Tree::accelerate(const State& state, const std::vector<Wrench>& forces, std
 }
 
 void Tree::respond(const std::vector<Wrench>& impulses, std::vector<Twist>& changes) {
+  refresh();
   for (std::size_t i = 0; i < links_.size(); ++i) {
     Now& now = now_[i];
     unload(now);
@@ -450,6 +454,7 @@ void Tree::close(std::vector<Twist>& displacements) {
 }
 
 void Tree::agree(const State& state, std::vector<Twist>& changes) {
+  if (floats_) refresh();
   for (std::size_t i = 0; i < links_.size(); ++i) {
     unload(now_[i]);
     if (has_joint(links_[i])) slip(links_[i], now_[i], state, now_[i].offset);

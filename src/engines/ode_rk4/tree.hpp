@@ -57,7 +57,8 @@ class Tree {
   static std::optional<Tree> of(const Mechanism& mechanism);
 
   /// Takes the pose of a state: what follows is of it. `factor` takes more time than `look`; a factor of a pose nearby
-  /// changes how corrections are shared, to the first order in the distance, and not that they are made.
+  /// changes how corrections are shared, to the first order in the distance, and not that they are made. Where that
+  /// would cost momentum, of what hangs on nothing and in answers to impulses, the factor is brought up to date.
   void look(const State& state);
   void factor();
   /// How far joints are apart in the state looked at. Returns the farthest.
@@ -79,6 +80,9 @@ class Tree {
 
  private:
   friend class TreeBuilder;
+  void refresh() {
+    if (stale_) factor();
+  }
   static constexpr std::size_t none = static_cast<std::size_t>(-1);
   enum class Kind { hinge, slider, universal, fixed, ball, free };
 
@@ -149,6 +153,8 @@ class Tree {
 
   std::vector<Link> links_;           // parents before children
   std::vector<std::size_t> link_of_;  // of each joint
+  bool floats_ = false;               // some hang together and not on the world
+  bool stale_ = true;                 // the factor is of a pose before
   Now world_;
   std::vector<Now> now_;
 };
