@@ -55,6 +55,7 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
   stopped_.clear();
   struck_.clear();
   all_stopped_ = false;
+  first_ = fresh;
   forces_ = &forces;
   here_ = state;
   try {
@@ -461,9 +462,15 @@ bool Flight::hold(State& state, double h) {
     look(state);
     at_rest();
   }
-  // At the start of a run it is refused; what comes so near later, between jaws of joints, is left to the crowd's
-  // scheme.
-  if (deepest_of(contacts_) > options_.start_gap) crowded_ = calm_steps;
+  const double overlap = deepest_of(contacts_);
+  if (overlap > options_.start_gap) {
+    if (first_) look(here_);
+    if (first_ && deepest_of(contacts_) > options_.start_gap) {
+      refuse("an overlap of " + shown(overlap) + " m can not be pushed out; at most " + shown(options_.start_gap) +
+             " are left to later steps");
+    }
+    crowded_ = calm_steps;  // what comes so near in a run, between jaws of joints, is left to the crowd's scheme
+  }
   resting_ = std::move(rest);
   return touched;
 }

@@ -62,8 +62,9 @@ class Flight {
   std::vector<Contact> stopped_;   // their geoms do not bounce any more in this step
   std::vector<Contact> struck_;    // at `here_`
   bool all_stopped_ = false;
-  Sticks sticks_;    // in the time held last
-  int crowded_ = 0;  // steps that are left to the crowd's scheme if nothing bounces
+  Sticks sticks_;      // in the time held last
+  int crowded_ = 0;    // steps that are left to the crowd's scheme if nothing bounces
+  bool first_ = true;  // step since the mechanism was read
   std::size_t crowded_steps_ = 0;
   std::vector<Touch> touches_;
 };
