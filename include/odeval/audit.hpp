@@ -17,15 +17,16 @@ enum class Convergence {
 };
 
 /// A difference from the limit, what the limit itself may be off by, and whether there is one.
+/// In the unit of what it stands for. A value that is not finite: a run blew up.
 struct Estimate {
-  double value = 0;
-  double uncertainty = 0;
+  double value = 0;        // >= 0, the distance from the limit
+  double uncertainty = 0;  // >= 0, half the width of the interval that holds the value
   Convergence convergence = Convergence::none;
 };
 
 /// The largest until a time, over bodies and over all steps of the program.
 struct ErrorUntil {
-  double t_s = 0;
+  double t_s = 0;               // simulated
   Estimate distance_m;          // of centres of mass
   Estimate turn_rad;            // of attitudes
   std::optional<double> order;  // of the larger part; nothing where there is no error
@@ -42,28 +43,29 @@ struct ErrorUntil {
   }
 };
 
+/// The same of one body.
 struct BodyError {
-  double t_s = 0;
-  std::uint32_t body = 0;
-  Estimate distance_m;
-  Estimate turn_rad;
+  double t_s = 0;          // simulated
+  std::uint32_t body = 0;  // from 1 in order of creation
+  Estimate distance_m;     // of its centre of mass
+  Estimate turn_rad;       // of its attitude
 };
 
 /// The largest step, up to the program's own, that keeps a distance from the limit.
 struct StepFor {
-  double distance_m = 0;
+  double distance_m = 0;      // that it keeps, uncertainty and all
   std::optional<double> h_s;  // nothing: smaller than the finest that was tried, and how much can not be told
 };
 
 /// A run of the program, as it ended.
 struct ProgramRun {
-  int refinement = 1;
+  int refinement = 1;              // k, of steps of h/k
   std::string what;                // "unchanged", "steps of h/2", "starts moved by 1e-10 m"
   std::string end;                 // "exit status 0", "ended by --until 10"
   std::optional<int> exit_status;  // where it ended by itself, and by no signal
-  std::uint64_t steps = 0;
-  double simulated_s = 0;
-  double cpu_s = 0;
+  std::uint64_t steps = 0;         // that the program asked for, in the world of most
+  double simulated_s = 0;          // of the world that went farthest
+  double cpu_s = 0;                // of the whole process, user and system
 };
 
 /// The program with another setting, at its own step.
@@ -74,39 +76,42 @@ struct Tried {
   double cost = 0;  // of a step within ODE, over that of the unchanged run
 };
 
+/// Kinetic energy and that of gravity, of all bodies; nothing of springs and motors.
 struct Energy {
-  double begin_J = 0;
-  double end_J = 0;
-  Estimate error_J;  // at the end, from the limit's
+  double begin_J = 0;  // before the first step
+  double end_J = 0;    // after the last one
+  Estimate error_J;    // at the end, from the limit's
 };
 
+/// How far the halves of a joint were apart at most.
 struct Gap {
   double largest_m = 0;
-  double t_s = 0;
+  double t_s = 0;          // when
   std::int32_t joint = 0;  // from 1 in order of creation; 0: none
 };
 
 /// A step of the program, of the world made `world`-th, from 1.
 struct StepRow {
   std::uint32_t world = 1;
-  double t_s = 0;
-  double kinetic_J = 0;
-  double potential_J = 0;
-  double gap_m = 0;
-  std::uint32_t contacts = 0;
-  double depth_m = 0;
-  std::uint32_t messages = 0;
+  double t_s = 0;              // at its end
+  double kinetic_J = 0;        // of all bodies
+  double potential_J = 0;      // of gravity, 0 at the origin
+  double gap_m = 0;            // the largest of a joint
+  std::uint32_t contacts = 0;  // joints
+  double depth_m = 0;          // of the deepest contact
+  std::uint32_t messages = 0;  // of ODE, in the step
 };
 
 /// Where two runs of the same program part.
 struct Parting {
-  std::uint64_t step = 0;
+  std::uint64_t step = 0;  // of the program, from 1; 0: the start
   double t_s = 0;
   std::uint32_t body = 0;  // from 1; 0: the runs differ in bodies or in steps
 };
 
+/// All that an audit has to say: what `odeval audit` prints and writes to answer.json.
 struct Answer {
-  std::string program;
+  std::string program;  // its command line
   std::string stepper;  // "dWorldStep", "dWorldQuickStep" or both
   double h_s = 0;       // of the first step
   bool h_varies = false;
@@ -114,9 +119,9 @@ struct Answer {
   std::uint32_t bodies = 0;  // the most at a time, as the two after them
   std::uint32_t joints = 0;
   std::uint32_t contacts = 0;
-  double depth_m = 0;  // the largest
-  std::uint64_t messages = 0;
-  std::string first_message;
+  double depth_m = 0;                               // the largest
+  std::uint64_t messages = 0;                       // of ODE, in the unchanged run
+  std::string first_message;                        // empty: none
   std::map<std::uint32_t, std::string> body_names;  // from 1, those that the program named
   std::map<std::uint32_t, std::string> joint_names;
   double ode_s = 0;  // within ODE, of the unchanged run
@@ -125,13 +130,13 @@ struct Answer {
   std::optional<Parting> parting;  // of the two unchanged runs: nothing: they are the same to the bit
   std::string reason;              // why there is no error; empty: there is
 
-  double until_s = 0;  // up to which all runs go
-  std::vector<ErrorUntil> error_at;
-  std::vector<BodyError> error_of_body;
-  double motion_m = 0;              // how far a body went from its start
-  std::optional<double> lost_at_s;  // where the error is more than a tenth of the largest way, or turn, of a body
-  std::optional<double> growth;     // of a distance of starts, at the end
-  double steps_for_t_s = 0;         // the time that they keep it until
+  double until_s = 0;                    // up to which all runs go
+  std::vector<ErrorUntil> error_at;      // at 1, 2, 5, 10, … s and at the end
+  std::vector<BodyError> error_of_body;  // at the same times, by time and body
+  double motion_m = 0;                   // how far a body went from its start
+  std::optional<double> lost_at_s;       // where the error is more than a tenth of the largest way, or turn, of a body
+  std::optional<double> growth;          // of a distance of starts, at the end
+  double steps_for_t_s = 0;              // the time that they keep it until
   std::vector<StepFor> steps_for;
   std::vector<Tried> tried;
   std::size_t tried_at = 0;          // of Answer::error_at, the time that steps_for has as well

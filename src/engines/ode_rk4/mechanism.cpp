@@ -158,27 +158,13 @@ class JointReader {
         anchors(dJointGetBallAnchor, dJointGetBallAnchor2);
         break;
       case dJointTypeHinge:
-        motor(dJointGetHingeParam, 0, false, axis(dJointGetHingeAxis), Motor::Carrier::a);
-        hinge_stop();
-        anchors(dJointGetHingeAnchor, dJointGetHingeAnchor2);
-        along(axis(dJointGetHingeAxis));
+        hinge();
         break;
       case dJointTypeUniversal:
-        for (const int group : {0, 0x100}) no_stops(dJointGetUniversalParam, group);
-        motor(dJointGetUniversalParam, 0, false, axis(reversed_ ? dJointGetUniversalAxis2 : dJointGetUniversalAxis1),
-              Motor::Carrier::a);
-        motor(dJointGetUniversalParam, 0x100, false,
-              axis(reversed_ ? dJointGetUniversalAxis1 : dJointGetUniversalAxis2), Motor::Carrier::b);
-        anchors(dJointGetUniversalAnchor, dJointGetUniversalAnchor2);
-        square(axis(reversed_ ? dJointGetUniversalAxis2 : dJointGetUniversalAxis1),
-               axis(reversed_ ? dJointGetUniversalAxis1 : dJointGetUniversalAxis2));
+        universal();
         break;
       case dJointTypeSlider:
-        motor(dJointGetSliderParam, 0, true, slider_axis(), Motor::Carrier::a,
-              joint_.b == world_body ? a_.position : b_.position);
-        slider_stop();
-        slide(axis(dJointGetSliderAxis), b_.position, b_.position);
-        same_turn();
+        slider();
         break;
       case dJointTypeFixed:
         point(b_.position, b_.position);
@@ -224,6 +210,29 @@ class JointReader {
   [[noreturn]] void refuse_this(const char* why) const { refuse(name(joint_) + why, dJointGetBody(id_, 0), id_); }
 
   using GetVector = void (*)(dJointID, dReal*);
+
+  void hinge() {
+    motor(dJointGetHingeParam, 0, false, axis(dJointGetHingeAxis), Motor::Carrier::a);
+    hinge_stop();
+    anchors(dJointGetHingeAnchor, dJointGetHingeAnchor2);
+    along(axis(dJointGetHingeAxis));
+  }
+  void universal() {
+    for (const int group : {0, 0x100}) no_stops(dJointGetUniversalParam, group);
+    const Vector3d of_a = axis(reversed_ ? dJointGetUniversalAxis2 : dJointGetUniversalAxis1);
+    const Vector3d of_b = axis(reversed_ ? dJointGetUniversalAxis1 : dJointGetUniversalAxis2);
+    motor(dJointGetUniversalParam, 0, false, of_a, Motor::Carrier::a);
+    motor(dJointGetUniversalParam, 0x100, false, of_b, Motor::Carrier::b);
+    anchors(dJointGetUniversalAnchor, dJointGetUniversalAnchor2);
+    square(of_a, of_b);
+  }
+  void slider() {
+    motor(dJointGetSliderParam, 0, true, slider_axis(), Motor::Carrier::a,
+          joint_.b == world_body ? a_.position : b_.position);
+    slider_stop();
+    slide(axis(dJointGetSliderAxis), b_.position, b_.position);
+    same_turn();
+  }
   using GetParameter = dReal (*)(dJointID, int);
 
   void no_stops(GetParameter get, int group) const {

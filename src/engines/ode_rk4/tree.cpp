@@ -473,6 +473,11 @@ const Vector3d& Tree::parent_spin(const Link& link, const State& state) {
 
 /// From loads and offsets to the motion of origins, and of bodies.
 void Tree::solve(std::vector<Twist>& twists) {
+  load_parents();
+  follow_parents(twists);
+}
+
+void Tree::load_parents() {
   for (std::size_t i = links_.size(); i-- > 0;) {
     const Link& link = links_[i];
     Now& now = now_[i];
@@ -501,6 +506,9 @@ void Tree::solve(std::vector<Twist>& twists) {
     parent.n += now.arm.cross(f);
     parent.f += f;
   }
+}
+
+void Tree::follow_parents(std::vector<Twist>& twists) {
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const Link& link = links_[i];
     Now& now = now_[i];

@@ -150,6 +150,8 @@ class Tree {
   static void hand_on(const Now& now, Now& parent);
   static void unload(Now& now);
   void solve(std::vector<Twist>& twists);
+  void load_parents();                              // from the leaves to the roots
+  void follow_parents(std::vector<Twist>& twists);  // and back
 
   std::vector<Link> links_;           // parents before children
   std::vector<std::size_t> link_of_;  // of each joint

@@ -82,70 +82,57 @@ bool look_at_joints(const Mechanism& mechanism, See&& see) {
   return true;
 }
 
-/// An anchor and an axis, each in the frame of a body that it is fixed to; zeros for what a joint has not. Where ODE
-/// calls the world the first body, the second one's.
+using GetVector = void (*)(dJointID, dReal*);
+
+/// Whose frame an anchor is fixed in.
+enum class AnchorOf { moved, second };  // the first body, or where ODE calls the world that, the second; the second
+
+/// What tells where a kind of joint is: null for what it has not. Where ODE calls the world the first body, `reversed`
+/// tells the same of the second one.
+struct PlaceOfKind {
+  dJointType type;
+  GetVector anchor, anchor_reversed;
+  AnchorOf anchor_of;
+  GetVector axis, axis_reversed;
+};
+constexpr std::array places{
+    PlaceOfKind{dJointTypeBall, dJointGetBallAnchor, dJointGetBallAnchor2, AnchorOf::moved, nullptr, nullptr},
+    PlaceOfKind{dJointTypeHinge, dJointGetHingeAnchor, dJointGetHingeAnchor2, AnchorOf::moved, dJointGetHingeAxis,
+                dJointGetHingeAxis},
+    PlaceOfKind{dJointTypeUniversal, dJointGetUniversalAnchor, dJointGetUniversalAnchor2, AnchorOf::moved,
+                dJointGetUniversalAxis1, dJointGetUniversalAxis2},
+    PlaceOfKind{dJointTypeSlider, nullptr, nullptr, AnchorOf::moved, dJointGetSliderAxis, dJointGetSliderAxis},
+    PlaceOfKind{dJointTypeHinge2, dJointGetHinge2Anchor, dJointGetHinge2Anchor, AnchorOf::moved, dJointGetHinge2Axis1,
+                dJointGetHinge2Axis1},
+    PlaceOfKind{dJointTypePiston, dJointGetPistonAnchor, dJointGetPistonAnchor, AnchorOf::moved, dJointGetPistonAxis,
+                dJointGetPistonAxis},
+    PlaceOfKind{dJointTypePR, dJointGetPRAnchor, dJointGetPRAnchor, AnchorOf::second, dJointGetPRAxis1,
+                dJointGetPRAxis1},
+    PlaceOfKind{dJointTypePU, dJointGetPUAnchor, dJointGetPUAnchor, AnchorOf::second, dJointGetPUAxis1,
+                dJointGetPUAxis1},
+    PlaceOfKind{dJointTypeDBall, dJointGetDBallAnchor1, dJointGetDBallAnchor2, AnchorOf::moved, nullptr, nullptr},
+    PlaceOfKind{dJointTypeDHinge, dJointGetDHingeAnchor1, dJointGetDHingeAnchor2, AnchorOf::moved, dJointGetDHingeAxis,
+                dJointGetDHingeAxis},
+};
+
+/// An anchor and an axis, each in the frame of a body that it is fixed to; zeros for what a joint has not.
 std::array<double, 6> place(dJointID joint) {
-  using Get = void (*)(dJointID, dReal*);
-  const bool reversed = dJointGetBody(joint, 0) == nullptr;
-  const dBodyID body = dJointGetBody(joint, reversed ? 1 : 0);
   std::array<double, 6> found{};
-  const auto anchor = [&](Get get, dBodyID of) {
-    dVector3 now, on_body{};
+  const auto* const kind = std::ranges::find(places, dJointGetType(joint), &PlaceOfKind::type);
+  if (kind == places.end()) return found;
+  const bool reversed = dJointGetBody(joint, 0) == nullptr;
+  const dBodyID moved = dJointGetBody(joint, reversed ? 1 : 0);
+  dVector3 now, in_body;
+  if (const GetVector get = reversed ? kind->anchor_reversed : kind->anchor; get != nullptr) {
     get(joint, now);
-    if (of != nullptr) {
-      dBodyGetPosRelPoint(of, now[0], now[1], now[2], on_body);
-    } else {
-      std::copy_n(now, 3, on_body);
-    }
-    std::copy_n(on_body, 3, found.begin());
-  };
-  const auto axis = [&](Get get) {
-    dVector3 now, in_body;
+    const dBodyID of = kind->anchor_of == AnchorOf::moved ? moved : dJointGetBody(joint, 1);
+    if (of != nullptr) dBodyGetPosRelPoint(of, now[0], now[1], now[2], in_body);
+    std::copy_n(of != nullptr ? in_body : now, 3, found.begin());
+  }
+  if (const GetVector get = reversed ? kind->axis_reversed : kind->axis; get != nullptr) {
     get(joint, now);
-    dBodyVectorFromWorld(body, now[0], now[1], now[2], in_body);
+    dBodyVectorFromWorld(moved, now[0], now[1], now[2], in_body);
     std::copy_n(in_body, 3, found.begin() + 3);
-  };
-  const dBodyID other = dJointGetBody(joint, 1);
-  switch (dJointGetType(joint)) {
-    case dJointTypeBall:
-      anchor(reversed ? dJointGetBallAnchor2 : dJointGetBallAnchor, body);
-      break;
-    case dJointTypeHinge:
-      anchor(reversed ? dJointGetHingeAnchor2 : dJointGetHingeAnchor, body);
-      axis(dJointGetHingeAxis);
-      break;
-    case dJointTypeUniversal:
-      anchor(reversed ? dJointGetUniversalAnchor2 : dJointGetUniversalAnchor, body);
-      axis(reversed ? dJointGetUniversalAxis2 : dJointGetUniversalAxis1);
-      break;
-    case dJointTypeSlider:
-      axis(dJointGetSliderAxis);
-      break;
-    case dJointTypeHinge2:
-      anchor(dJointGetHinge2Anchor, body);
-      axis(dJointGetHinge2Axis1);
-      break;
-    case dJointTypePiston:
-      anchor(dJointGetPistonAnchor, body);
-      axis(dJointGetPistonAxis);
-      break;
-    case dJointTypePR:
-      anchor(dJointGetPRAnchor, other);
-      axis(dJointGetPRAxis1);
-      break;
-    case dJointTypePU:
-      anchor(dJointGetPUAnchor, other);
-      axis(dJointGetPUAxis1);
-      break;
-    case dJointTypeDBall:
-      anchor(reversed ? dJointGetDBallAnchor2 : dJointGetDBallAnchor1, body);
-      break;
-    case dJointTypeDHinge:
-      anchor(reversed ? dJointGetDHingeAnchor2 : dJointGetDHingeAnchor1, body);
-      axis(dJointGetDHingeAxis);
-      break;
-    default:
-      break;
   }
   return found;
 }
