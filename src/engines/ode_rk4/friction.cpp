@@ -235,7 +235,7 @@ VectorXd sweep(const MatrixXd& a, const VectorXd& speeds, const Rubbing& rubbing
 VectorXd hold_in_turn(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing, VectorXd p) {
   const Index m = rubbing.rows(), n = v.size() - m;
   const MatrixXd normal = a.topLeftCorner(n, n);
-  const double soft = softness * normal.diagonal().maxCoeff();
+  const double soft = softness * a.diagonal().head(n).maxCoeff();
   const MatrixXd softened = normal + soft * MatrixXd::Identity(n, n);
   for (int round = 0; round < most_rounds; ++round) {
     const VectorXd was = p;
