@@ -32,9 +32,10 @@ struct ErrorUntil {
   std::optional<double> order;  // of the larger part; nothing where there is no error
   std::uint32_t body = 0;       // with the largest distance, from 1 in order of creation
 
+  /// Share of the one below which the other says nothing, a metre counted as a radian.
+  static constexpr double little = 1e-3;
   /// Of the worse part; one of which there is next to nothing, a metre counted as a radian, says nothing.
   Convergence convergence() const {
-    constexpr double little = 1e-3;
     const double distance = distance_m.value + distance_m.uncertainty;
     const double turn = turn_rad.value + turn_rad.uncertainty;
     if (turn < little * distance) return distance_m.convergence;

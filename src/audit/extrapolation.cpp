@@ -108,6 +108,8 @@ Convergence Spread::convergence(const Estimate& error, double unseen) const {
   const std::size_t last = runs() - 1;
   const std::optional<double> falls = order_of(1, last);
   const bool by_chance = apart(last, 0) <= unseen * steps_[last - 1] / steps_[last];
+  constexpr double too_fast = 8;  // for any scheme: the coarser runs blow up
+  if (falls && *falls > too_fast) return Convergence::none;
   return by_chance || (falls && *falls > hardly) ? Convergence::rough : Convergence::none;
 }
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <limits>
+#include <map>
 #include <numbers>
 #include <unordered_map>
 
@@ -228,7 +230,11 @@ class Judge {
     }
   }
 
-  static double larger_of(const Estimate& error) { return std::max(error.value, error.uncertainty); }
+  /// What is not a number is as large as can be.
+  static double larger_of(const Estimate& error) {
+    if (std::isnan(error.value) || std::isnan(error.uncertainty)) return std::numeric_limits<double>::infinity();
+    return std::max(error.value, error.uncertainty);
+  }
 
   Estimate distance(const Spread& spread, std::size_t run = 0) const {
     return spread.error(run, unseen_m_, chaos_.rounding_m());
@@ -244,14 +250,14 @@ class Judge {
     if (touched_ && row.convergence() == Convergence::none) {
       row.distance_m.convergence = row.turn_rad.convergence = Convergence::none;
     }
-    // A metre and a radian are as good as each other for asking how errors fall.
-    const bool rather_turned = row.turn_rad.value > row.distance_m.value;
+    // The turn is what tells only where next to nothing is a distance.
+    const bool rather_turned = row.distance_m.value < ErrorUntil::little * row.turn_rad.value;
     row.order = (rather_turned ? all_.turn : all_.distance).order();
     double largest = -1;
     for (const auto& [body, errors] : of_body_) {
       const BodyError its{t, body + 1, distance(errors.distance), turn(errors.turn)};
       answer_.error_of_body.push_back(its);
-      const double size = rather_turned ? its.turn_rad.value : its.distance_m.value;
+      const double size = larger_of(rather_turned ? its.turn_rad : its.distance_m);
       if (size < largest || (size == largest && its.body > row.body)) continue;
       largest = size;
       row.body = its.body;
@@ -331,19 +337,26 @@ class Judge {
     return *middle;
   }
 
-  /// None larger than the program's own, which nobody has tried.
+  /// None larger than the program's own, which nobody has tried. Between two runs along the line of logarithms, past
+  /// the finest by the order seen there.
   std::optional<double> step_for(std::size_t report, double wanted) const {
-    const double h = answer_.h_s;
-    const std::vector<Estimate>& runs = distances_[report];
     const ErrorUntil& own = answer_.error_at[report];
-    if (own.convergence() == Convergence::settled && own.order) {
-      const double most = runs.front().value + runs.front().uncertainty;
-      return h * std::min(1.0, std::pow(wanted / most, 1 / *own.order));
+    const bool settled = own.convergence() == Convergence::settled;
+    const auto most = [&](std::size_t run) {
+      const Estimate& error = distances_[report][run];
+      return error.value + error.uncertainty;
+    };
+    const auto step = [&](std::size_t run) { return answer_.h_s / records_.refinements[run]; };
+    std::size_t keeps = 0;
+    while (keeps < runs_.size() && !(most(keeps) <= wanted)) ++keeps;
+    if (keeps == 0) return answer_.h_s;
+    if (keeps < runs_.size()) {
+      if (!settled || !(most(keeps) > 0)) return step(keeps);
+      const double order = std::log(most(keeps - 1) / most(keeps)) / std::log(step(keeps - 1) / step(keeps));
+      return step(keeps - 1) * std::pow(wanted / most(keeps - 1), 1 / order);
     }
-    for (std::size_t run = 0; run < runs_.size(); ++run) {
-      if (runs[run].value + runs[run].uncertainty <= wanted) return h / records_.refinements[run];
-    }
-    return std::nullopt;
+    if (!settled || !own.order || !(*own.order > 0)) return std::nullopt;
+    return step(keeps - 1) * std::pow(wanted / most(keeps - 1), 1 / *own.order);
   }
 
   struct PathPoint {
@@ -410,9 +423,11 @@ void describe(const std::filesystem::path& unchanged, Answer& answer) {
   }
   bool quick = false;
   bool plain = false;
+  std::map<std::uint32_t, double> energies;  // of worlds
   for (auto moment = run.next(); moment; moment = run.next()) {
     const Frame& frame = moment->frame;
     const double energy = frame.kinetic + frame.potential;
+    energies[frame.world] = energy;
     if (frame.step == 0) {
       answer.energy.begin_J += energy;
       continue;
@@ -425,9 +440,9 @@ void describe(const std::filesystem::path& unchanged, Answer& answer) {
     answer.contacts = std::max(answer.contacts, frame.contacts);
     answer.depth_m = std::max(answer.depth_m, frame.depth);
     answer.ode_s += frame.ode_s;
-    answer.energy.end_J = energy;
     if (frame.gap > answer.gap.largest_m) answer.gap = {frame.gap, frame.t, frame.gap_joint + 1};
   }
+  for (const auto& [world, energy] : energies) answer.energy.end_J += energy;
   answer.stepper = quick && plain ? "dWorldStep and dWorldQuickStep" : quick ? "dWorldQuickStep" : "dWorldStep";
 }
 

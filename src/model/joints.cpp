@@ -119,6 +119,9 @@ void check_tree(const Draft& draft) {
 
 void make_unit(const Draft& draft, std::size_t joint, const char* key, Vec3& axis) {
   if (axis == Vec3{}) draft.fail(path_of("joints", joint, key), shown(axis), "must have a direction");
+  double largest = 0;  // squares of what is tiny or huge are no numbers
+  for (const double x : axis) largest = std::fmax(largest, std::fabs(x));
+  for (double& x : axis) x /= largest;
   axis = unit(axis);
 }
 

@@ -101,7 +101,7 @@ std::string steps_line(const Answer& answer) {
   std::vector<std::string> words;
   for (const audit::StepFor& one : answer.steps_for) {
     const std::string distance = one.distance_m < 9e-3 ? "1 mm" : one.distance_m < 9e-2 ? "1 cm" : "10 cm";
-    const std::string step = !one.h_s                 ? "smaller than was tried"
+    const std::string step = !one.h_s                 ? "not to be told, or smaller than was tried"
                              : *one.h_s >= answer.h_s ? "this one"
                                                       : fmt::format("{:.2g} s", *one.h_s);
     words.push_back(fmt::format("{}: {}", distance, step));

@@ -5,9 +5,9 @@
 //   odeval::AccurateStep step(world, space, {.contact = [](dGeomID, dGeomID) { return odeval::Bounce{0.8}; }});
 //   step(1e-3);  // instead of dSpaceCollide, dWorldStep, dJointGroupEmpty
 //
-// Bodies are moved by the Newton-Euler equations with Lagrange multipliers and a Runge-Kutta formula; at the end of
-// each step positions and velocities are projected onto the joints, mass-weighted, so that a joint's gap stays at
-// rounding. ODE's ERP and CFM have no part in it.
+// Bodies are moved by the Newton-Euler equations with Lagrange multipliers (solved along the joints where these make
+// trees) and a Runge-Kutta formula; at the end of each step positions and velocities are projected onto the joints,
+// mass-weighted, so that a joint's gap stays at rounding. ODE's ERP and CFM have no part in it.
 //
 // A motor (dParamVel, dParamFMax) keeps its velocity as a joint keeps its axis, and pushes with its limit where it can
 // not; it reaches and leaves its limit where that happens within the step. A stop (dParamLoStop, dParamHiStop) is a
