@@ -37,6 +37,24 @@ void smooth_values_settle() {
   CHECK_NEAR(odd.error(0).value, 0.12, 1e-12);
 }
 
+// Of two runs nothing is known but that they are apart: values that fall more slowly than h are covered all the same.
+// Of four the best degree is believed only as far as its distances fall.
+void slow_values_are_covered() {
+  for (const double power : {0.7, 0.8, 1.0, 1.3}) {
+    const auto value = [power](double h) { return 5 + std::pow(h, power); };
+    const Estimate two = spread_of({1, 2}, value).error(1);
+    CHECK_BETWEEN(std::fabs(two.value - std::pow(0.5, power)), 0, two.uncertainty);
+    const Estimate four = spread_of({1, 2, 4, 8}, value).error(0);
+    CHECK_BETWEEN(std::fabs(four.value - 1), 0, four.uncertainty);
+  }
+}
+
+// Differences that fall faster than any scheme's are those of runs that blow up.
+void what_blows_up_has_no_limit() {
+  const Spread blown = spread_of({1, 2, 4, 8}, [](double h) { return std::exp(100 * h); });
+  CHECK(blown.error(3).convergence != Convergence::rough);
+}
+
 void the_error_of_each_run() {
   const Spread spread = spread_of({1, 2, 4, 8}, [](double h) { return 0.1 * h; });
   CHECK_NEAR(spread.error(1).value, 0.05, 1e-12);
@@ -83,6 +101,8 @@ void what_is_the_same_is_settled() {
 
 int main() {
   smooth_values_settle();
+  slow_values_are_covered();
+  what_blows_up_has_no_limit();
   the_error_of_each_run();
   jagged_values_are_covered();
   what_moves_apart_has_no_limit();
