@@ -71,9 +71,9 @@ double Spread::uncertainty(std::size_t degree) const {
   if (last < 2) return its;
   const std::size_t witness = std::min(degree, last - 2);
   const double falls = apart(last - 1, witness) / apart(last, witness);
-  constexpr double hardly = 1.05;
+  constexpr double least_fall = 1.05;  // from pair to pair
   if (!(apart(last, witness) > 0)) return its;
-  return its * std::max(1.0, 1 / (std::max(falls, hardly) - 1));
+  return its * std::max(1.0, 1 / (std::max(falls, least_fall) - 1));
 }
 
 std::size_t Spread::best_degree() const {
@@ -104,13 +104,13 @@ Convergence Spread::convergence(const Estimate& error, double unseen) const {
   if (error.uncertainty <= 0.1 * error.value) return Convergence::settled;
   constexpr double nothing = 1e-9;  // m or rad: nobody's concern, and near rounding
   if (error.value + error.uncertainty <= nothing) return Convergence::settled;
-  constexpr double hardly = 0.3;  // 2 to the power of it is 1.2: halving the step takes away a fifth
+  constexpr double least_order = 0.3;  // 2 to the power of it is 1.2: halving the step takes away a fifth
   const std::size_t last = runs() - 1;
   const std::optional<double> falls = order_of(1, last);
   const bool by_chance = apart(last, 0) <= unseen * steps_[last - 1] / steps_[last];
   constexpr double too_fast = 8;  // for any scheme: the coarser runs blow up
   if (falls && *falls > too_fast) return Convergence::none;
-  return by_chance || (falls && *falls > hardly) ? Convergence::rough : Convergence::none;
+  return by_chance || (falls && *falls > least_order) ? Convergence::rough : Convergence::none;
 }
 
 }  // namespace odeval::audit

@@ -52,8 +52,10 @@ struct Options {
 class Scratch {
  public:
   Scratch() {
-    const char* place = std::getenv("TMPDIR");
-    std::string name = (fs::path(place == nullptr ? "/tmp" : place) / "odeval-audit-XXXXXX").string();
+    std::error_code error;
+    const fs::path place = fs::temp_directory_path(error);
+    if (error) throw MachineError("TMPDIR: no folder for records: " + error.message());
+    std::string name = (place / "odeval-audit-XXXXXX").string();
     if (::mkdtemp(name.data()) == nullptr) {  // which fills in the letters
       throw MachineError(name + ": no folder for records: " + std::strerror(errno));
     }
