@@ -11,6 +11,7 @@
 #include "cli/run_files.hpp"
 #include "cli/settings.hpp"
 #include "experiments/experiment.hpp"
+#include "experiments/highlights.hpp"
 #include "experiments/side_by_side.hpp"
 #include "model/find_scenario.hpp"
 #include "odeval/error.hpp"
@@ -111,8 +112,8 @@ std::vector<std::pair<std::string, std::string>> environment() {
   return all;
 }
 
-void write_tables(const report::Document& document, const fs::path& folder) {
-  for (const report::Section& section : document.sections) {
+void write_tables(const std::vector<report::Section>& sections, const fs::path& folder) {
+  for (const report::Section& section : sections) {
     for (const report::Block& block : section.blocks) {
       const auto* const table = std::get_if<report::Table>(&block);
       if (table != nullptr) write_whole(folder / report::csv_of(*table), report::table_csv(*table));
@@ -136,6 +137,7 @@ int report(const Options& options) {
   report::Findings findings;
   report::Document document;
   document.sections = run_experiments(laboratory, findings, options.quiet, failures);
+  document.front = experiments::front_of(document.sections, findings);
   document.files = std::move(runs.files);
   document.command = "odeval report --out " + options.out;
   document.environment = environment();
@@ -143,7 +145,8 @@ int report(const Options& options) {
   for (const report::Claim& claim : report::claims()) verdicts.push_back(report::judge(claim, findings));
 
   const report::Page page = report::make_page(document, verdicts, findings);
-  write_tables(document, folder);
+  write_tables(document.front, folder);
+  write_tables(document.sections, folder);
   write_whole(folder / "report" / "findings.csv", report::findings_csv(findings));
   write_whole(folder / "report" / "verdicts.csv", report::verdicts_csv(verdicts, findings));
   write_whole(folder / "index.html", page.html);

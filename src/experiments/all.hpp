@@ -7,6 +7,7 @@ namespace odeval::experiments {
 using report::Content;
 using report::Findings;
 
+Content answer(Laboratory& laboratory, Findings& findings);
 Content snapshots(Laboratory& laboratory, Findings& findings);
 Content double_pendulum(Laboratory& laboratory, Findings& findings);
 Content accuracy(Laboratory& laboratory, Findings& findings);

@@ -19,6 +19,7 @@ consteval Experiment row(std::string_view name, report::Content (*run)(Laborator
 
 // clang-format off
 constexpr std::array table{
+    row("answer", answer),
     row("snapshots", snapshots),
     row("double-pendulum", double_pendulum),
     row("accuracy", accuracy),

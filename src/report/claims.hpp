@@ -30,8 +30,7 @@ struct Claim {
   std::string_view text;                    // the claim in our own words
   std::span<const Condition> confirmed_if;  // all of them
   std::span<const Condition> refuted_if;    // all of them
-  std::string_view
-      reading;  // what the numbers mean for somebody who uses ODE, whatever the verdict; one or two sentences
+  std::string_view advice;    // what somebody who uses ODE does with it, whatever the verdict; one or two sentences
   std::string_view evidence;  // anchor of the section or figure that shows it
 };
 

@@ -23,7 +23,8 @@ struct Table {
   std::string title{};
   std::vector<std::string> columns{};  // with units: "error until 3 s, rad"
   std::vector<std::vector<Cell>> rows{};
-  std::string note{};  // what one has to know to read it; may be empty
+  std::string note{};                   // what one has to know to read it; may be empty
+  std::vector<std::string> evidence{};  // a row an anchor that its first cell leads to, or empty; none: no such links
 };
 
 enum class Mark { line, points, line_and_points };
@@ -77,7 +78,14 @@ struct Text {
   std::string text;
 };
 
-using Block = std::variant<Text, Table, Figure, Picture>;
+/// A sentence that stands for a section, beside one small plot of it.
+struct Highlight {
+  std::string sentence;
+  Figure figure;         // of one panel, without caption; its name is its anchor
+  std::string evidence;  // anchor of the section
+};
+
+using Block = std::variant<Text, Table, Figure, Picture, Highlight>;
 
 struct Section {
   std::string name;  // anchor
@@ -93,7 +101,8 @@ struct Files {
 
 /// Everything a page says besides the claims.
 struct Document {
-  std::vector<Section> sections;
+  std::vector<Section> front;     // what everybody reads: open, before the claims
+  std::vector<Section> sections;  // the evidence: folded
   std::vector<Files> files;
   std::string command;                                           // the exact command that made it
   std::vector<std::pair<std::string, std::string>> environment;  // versions and machine, by name

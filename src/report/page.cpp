@@ -150,17 +150,29 @@ class Writer {
       : document_(document), verdicts_(verdicts), findings_(findings) {}
 
   Page write() {
-    for (const char* const fixed : {"verdicts", "rules", "findings", "files", "made-with"}) anchors_.take(fixed);
+    for (const char* const fixed : {"rules", "findings", "files", "made-with"}) anchors_.take(fixed);
     for (const Judged& judged : verdicts_) anchors_.take(claim_anchor(*judged.claim));
+    const Section verdicts{"verdicts", "What of the 2010 report holds", {}};
+    std::vector<const Section*> front;
+    for (const Section& section : document_.front) front.push_back(&section);
+    front.push_back(&verdicts);
+    for (const Section* section : front) anchors_.take(section->name);
     for (const Section& section : document_.sections) anchors_.take(section.name);
     Items sections;  // first, since links are made to what is there
-    for (const Section& section : document_.sections) sections.push_back(section_values(section));
+    for (const Section* section : front) sections.push_back(section_values(*section, section == &verdicts, false));
+    for (const Section& section : document_.sections) sections.push_back(section_values(section, false, true));
+    Items front_links;
+    for (const Section* section : front) front_links.push_back(link_values(*section));
+    Items evidence_links;
+    for (const Section& section : document_.sections) evidence_links.push_back(link_values(section));
     const Values values{{"title", title},
                         {"style", text_of(layout, "style")},
                         {"command", document_.command},
                         {"number_of_claims", verdicts_.size()},
                         {"tally", tally()},
                         {"claims", claims()},
+                        {"front", std::move(front_links)},
+                        {"folded", std::move(evidence_links)},
                         {"sections", std::move(sections)},
                         {"many_findings", findings_.all().size() > long_rows},
                         {"findings", all_findings()},
@@ -193,7 +205,7 @@ class Writer {
                      {"evidence", anchors_.has(claim.evidence) ? claim.evidence : ""},
                      {"rules", Items{{{"kind", "Confirmed"}, {"conditions", conditions(claim.confirmed_if)}},
                                      {{"kind", "Refuted"}, {"conditions", conditions(claim.refuted_if)}}}},
-                     {"reading", claim.reading}});
+                     {"advice", claim.advice}});
       items.push_back(std::move(values));
     }
     return items;
@@ -226,19 +238,19 @@ class Writer {
     return items;
   }
 
-  Values section_values(const Section& section) {
+  static Values link_values(const Section& section) { return {{"name", section.name}, {"title", section.title}}; }
+
+  Values section_values(const Section& section, bool is_claims, bool folds) {
     const Items settled = settles(section);
     Items blocks;
     for (const Block& block : section.blocks) {
-      Values values{{"paragraph", ""}, {"table", Items{}}, {"figure", Items{}}, {"picture", Items{}}};
+      Values values{
+          {"paragraph", ""}, {"table", Items{}}, {"figure", Items{}}, {"picture", Items{}}, {"highlight", Items{}}};
       std::visit([&](const auto& one) { add_block(values, one); }, block);
       blocks.push_back(std::move(values));
     }
-    return {{"name", section.name},
-            {"title", section.title},
-            {"is_evidence", !settled.empty()},
-            {"settles", settled},
-            {"blocks", std::move(blocks)}};
+    return {{"name", section.name},      {"title", section.title}, {"is_front", !folds},         {"folds", folds},
+            {"claims_table", is_claims}, {"settles", settled},     {"blocks", std::move(blocks)}};
   }
 
   /// The claims that a section is the evidence for.
@@ -263,6 +275,8 @@ class Writer {
     for (const auto& row : table.rows) {
       Items cells;
       for (const Cell& cell : row) cells.push_back(cell_values(cell, notes));
+      for (Values& cell : cells) cell.insert({"anchor", ""});
+      if (rows.size() < table.evidence.size()) cells.front().insert_or_assign("anchor", table.evidence[rows.size()]);
       rows.push_back({{"cells", std::move(cells)}});
     }
     block.insert_or_assign("table", Items{{{"id", anchors_.take("table", table.name)},
@@ -312,6 +326,18 @@ class Writer {
                                              {"png", base64(picture.png)},
                                              {"title", picture.title},
                                              {"caption", picture.caption}}});
+  }
+
+  void add_block(Values& block, const Highlight& highlight) {
+    const Figure& figure = highlight.figure;
+    const std::string id = anchors_.take("short", figure.name);
+    const auto looks = looks_of(figure);
+    Values values = panel_values(figure, 0, looks[0], id);
+    values.insert({{"id", id},
+                   {"sentence", highlight.sentence},
+                   {"evidence", highlight.evidence},
+                   {"legend", legend(figure, looks)}});
+    block.insert_or_assign("highlight", Items{std::move(values)});
   }
 
   Items all_findings() const {

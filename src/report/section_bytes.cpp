@@ -18,8 +18,8 @@ void pass(Way& way, Value& value) {
 
 template <class Way, bytes::is<Table> Value>
 void pass(Way& way, Value& value) {
-  auto& [name, title, columns, rows, note] = value;
-  each(way, name, title, columns, rows, note);
+  auto& [name, title, columns, rows, note, evidence] = value;
+  each(way, name, title, columns, rows, note, evidence);
 }
 
 template <class Way, bytes::is<Series> Value>
@@ -50,6 +50,12 @@ template <class Way, bytes::is<Picture> Value>
 void pass(Way& way, Value& value) {
   auto& [name, title, caption, png] = value;
   each(way, name, title, caption, png);
+}
+
+template <class Way, bytes::is<Highlight> Value>
+void pass(Way& way, Value& value) {
+  auto& [sentence, figure, evidence] = value;
+  each(way, sentence, figure, evidence);
 }
 
 template <class Way, bytes::is<Section> Value>

@@ -36,13 +36,7 @@ std::optional<Tag> next_tag(std::string_view text, std::size_t& at) {
   return Tag{name.front(), name.substr(1)};
 }
 
-std::set<std::string_view> names_in(std::string_view text) {
-  std::set<std::string_view> names;
-  for (std::size_t at = 0; const auto tag = next_tag(text, at);) names.insert(tag->name);
-  return names;
-}
-
-void no_value_is_left(std::string_view title, const std::set<std::string_view>& wanted, const Values& values) {
+void no_value_is_left(std::string_view title, const std::set<std::string, std::less<>>& wanted, const Values& values) {
   for (const auto& [name, value] : values) {
     if (!wanted.contains(name)) fail(title, "the value of {{" + name + "}} stands nowhere");
     if (items_of(value) == nullptr) continue;
@@ -88,6 +82,12 @@ mustache::data data_of(const Values& values) {
 }
 
 }  // namespace
+
+std::set<std::string, std::less<>> names_in(std::string_view text) {
+  std::set<std::string, std::less<>> names;
+  for (std::size_t at = 0; const auto tag = next_tag(text, at);) names.emplace(tag->name);
+  return names;
+}
 
 std::string filled(std::string_view title, std::string_view text, const Values& values,
                    std::string (*escape)(std::string_view)) {

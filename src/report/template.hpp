@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <concepts>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -47,6 +48,9 @@ struct Embedded {
 consteval std::string_view text_of(std::span<const Embedded> files, std::string_view name) {
   return std::ranges::find(files, name, &Embedded::name)->text;
 }
+
+/// The names that a template asks for.
+std::set<std::string, std::less<>> names_in(std::string_view text);
 
 /// The template `text` with its values; {{name}} escaped, {{{name}}} as it is. Throws std::logic_error, which calls the
 /// template `title`, where the two differ: a name without a value, a value that is named nowhere; or where the template

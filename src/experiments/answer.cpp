@@ -1,0 +1,375 @@
+// The page's first screen: for each kind of task the settings of ODE that keep an error, what they cost, and a film of
+// ODE beside the truth until it is lost.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "catalogue/timing.hpp"
+#include "experiments/all.hpp"
+#include "experiments/parts.hpp"
+#include "odeval/error.hpp"
+#include "output/number.hpp"
+#include "output/summary.hpp"
+#include "render/png.hpp"
+#include "render/studio.hpp"
+
+namespace odeval::experiments {
+namespace {
+
+constexpr const char* direct = "ode-step-double";
+constexpr const char* iterative = "ode-quickstep-double";
+constexpr const char* accurate = "ode-rk4-double";
+
+/// Rows of every run, which all steps of the ladder fit.
+constexpr double rows_s = 0.02;
+constexpr std::array ladder_s{0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001, 5e-5, 2e-5, 1e-5};
+// What ODE does where a program sets nothing (ode-0.16, ode/src/objects.h: ERP and, in double precision, CFM), first.
+constexpr std::array erps{0.2, 0.8, 1.0};
+constexpr std::array cfms{1e-10, 1e-5};
+/// dWorldStep is the answer unless QuickStep costs less than this share of it.
+constexpr double much_cheaper = 0.5;
+constexpr int timed_rounds = 3;
+
+/// A kind of task, the scenario that stands for it, and what it has to keep.
+struct Task {
+  std::string_view name;  // of its findings
+  std::string_view text;  // in words
+  Scenario (*of)(Laboratory& laboratory);
+  std::string_view flags;  // with which `odeval run` has it
+  bool every_step;         // what it has to keep may be broken between rows
+  quantity::Id quantity;
+  double budget;  // in the quantity's unit
+  std::string_view evidence;
+};
+
+Scenario until(Scenario scenario, double duration_s) {
+  scenario.duration_s = duration_s;
+  return scenario;
+}
+
+/// Across the axes of ODE's friction pyramid, as fast as the file has it.
+Scenario slide_across(Laboratory& laboratory) {
+  Scenario scenario = laboratory.scenario("friction_slide");
+  scenario.mechanism.bodies.front().velocity_m_s = {1.6, 1.2, 0};
+  return scenario;
+}
+
+// clang-format off
+const std::array tasks{
+    Task{"arm", "an arm that moves freely", [](Laboratory& l) { return until(l.scenario("double_pendulum"), 2); }, "", false, quantity::max_error_q, 1e-3, "accuracy"},
+    Task{"impacts", "impacts on a wall", [](Laboratory& l) { return until(l.scenario("wall_pendulum"), 2); }, "", true, quantity::max_error_q, 1e-2, "wall-pendulum"},
+    Task{"chain", "a chain of 32 links", [](Laboratory& l) { return chain_of(l.scenario("chain"), 32, 1); }, " --set n=32", false, quantity::max_error_q, 1e-2, "chain"},
+    Task{"sliding", "a box that slides to rest", slide_across, " --set bodies.0.velocity=[1.6,1.2,0]", false, quantity::max_error_position, 1e-2, "friction"},
+    Task{"rest", "a ball that comes to rest", [](Laboratory& l) { return l.scenario("bouncing_ball"); }, "", true, quantity::max_penetration, 1e-3, "bouncing-ball"},
+    Task{"tumbling", "a body that tumbles freely", [](Laboratory& l) { return until(l.scenario("free_box"), 2); }, "", false, quantity::max_error_turn, 1e-2, "free-box"},
+    Task{"motor", "a motor that lifts", [](Laboratory& l) { return l.scenario("motor_lift"); }, "", false, quantity::max_error_position, 1e-3, ""},
+};
+// clang-format on
+
+OdeSettings defaults(const Scenario& scenario) {
+  OdeSettings ode = scenario.ode;
+  ode.erp = erps.front();
+  ode.cfm = cfms.front();
+  return ode;
+}
+
+/// What of ODE may be changed to keep an error, each in the file's place or in that of another choice.
+std::vector<OdeSettings> choices(const Scenario& scenario, const catalogue::Method& method) {
+  const bool constrained = !scenario.mechanism.joints.empty() || !scenario.mechanism.contacts.empty();
+  const bool rubs = std::ranges::any_of(scenario.mechanism.contacts, [](const Contact& contact) {
+    return contact.friction && contact.friction->limit > 0;
+  });
+  std::vector<OdeSettings> all;
+  for (const double erp : erps) {
+    if (!constrained && erp != erps.front()) continue;
+    for (const double cfm : cfms) {
+      if (!constrained && cfm != cfms.front()) continue;
+      for (const FrictionAxes axes : {FrictionAxes::plane_space, FrictionAxes::sliding}) {
+        if (!rubs && axes != FrictionAxes::plane_space) continue;
+        for (const Start start : {Start::as_given, Start::half_step}) {
+          if (start == Start::half_step && !catalogue::has_half_step_start(method)) continue;
+          OdeSettings ode = scenario.ode;
+          ode.erp = erp;
+          ode.cfm = cfm;
+          ode.friction_axes = axes;
+          ode.start = start;
+          all.push_back(ode);
+        }
+      }
+    }
+  }
+  return all;
+}
+
+/// A run that keeps the budget, or the best there was.
+struct Kept {
+  OdeSettings ode;
+  double step_s = 0;
+  double error = std::numeric_limits<double>::infinity();
+  double uncertainty = 0;
+  bool keeps = false;
+};
+
+/// A task's motion, whose reference all its runs share.
+class Bench {
+ public:
+  Bench(const Task& task, Laboratory& laboratory) : task_(task), scenario_(task.of(laboratory)) {
+    scenario_.step_s = ladder_s.front();
+    scenario_.sample_s = {};
+    if (task.every_step) return;
+    scenario_.sample_s = rows_s;
+    catalogue::Evaluator first(scenario_);
+    reference_ = std::make_shared<const Reference>(first.reference());
+  }
+
+  const Scenario& scenario() const { return scenario_; }
+
+  catalogue::Evaluator at(double step_s, const OdeSettings& ode) const {
+    Scenario scenario = scenario_;
+    scenario.step_s = step_s;
+    scenario.ode = ode;
+    return reference_ ? catalogue::Evaluator(std::move(scenario), reference_)
+                      : catalogue::Evaluator(std::move(scenario));
+  }
+
+  Kept tried(const catalogue::Method& method, double step_s, const OdeSettings& ode) const {
+    catalogue::Evaluator evaluator = at(step_s, ode);
+    const catalogue::Evaluation run = evaluator.evaluate(method);
+    const Metrics metrics = evaluator.measure(run, scenario_.duration_s);
+    const Quantity& row = quantities[task_.quantity];
+    Kept kept{ode, step_s};
+    if (run.outcome.diverged || !metrics[row.id]) return kept;
+    kept.error = *metrics[row.id];
+    if (row.uncertainty) kept.uncertainty = metrics[*row.uncertainty].value_or(0);
+    kept.keeps = suspicion(run.outcome).empty() && kept.error + kept.uncertainty <= task_.budget;
+    return kept;
+  }
+
+  /// The largest step of the ladder that keeps the budget, if the next smaller one keeps it as well: a step that keeps
+  /// it by luck is none. Looks no further where only steps below `at_least_s` are left.
+  Kept largest_step(const catalogue::Method& method, const OdeSettings& ode, double at_least_s = 0) const {
+    Kept best;
+    Kept coarser;
+    for (const double step_s : ladder_s) {
+      if (coarser.step_s > 0 && coarser.step_s < at_least_s) break;
+      const Kept here = tried(method, step_s, ode);
+      if (here.keeps && coarser.keeps) return coarser;
+      if (here.error < best.error) best = here;
+      coarser = here;
+    }
+    best.keeps = false;
+    return best;
+  }
+
+  /// Of all choices that with the largest step; of equals the first, which changes least.
+  Kept best(const catalogue::Method& method) const {
+    Kept best;
+    for (const OdeSettings& ode : choices(scenario_, method)) {
+      const Kept kept = largest_step(method, ode, best.keeps ? best.step_s : 0);
+      const bool better =
+          kept.keeps ? !best.keeps || kept.step_s > best.step_s : !best.keeps && kept.error < best.error;
+      if (better) best = kept;
+    }
+    return best;
+  }
+
+ private:
+  const Task& task_;
+  Scenario scenario_;
+  std::shared_ptr<const Reference> reference_;  // null: its rows are the steps, which differ
+};
+
+/// One method at one setting, and its time.
+struct Answer {
+  const catalogue::Method* method = nullptr;
+  Kept kept{};
+  std::optional<catalogue::Evaluator> evaluator{};
+  double us_per_s = 0;  // CPU time of a simulated second
+};
+
+/// Times in turns what keeps the budget.
+void time_all(std::span<Answer> answers, double duration_s) {
+  std::vector<catalogue::TimedRun> runs;
+  std::vector<Answer*> timed;
+  for (Answer& answer : answers) {
+    if (!answer.evaluator) continue;
+    timed.push_back(&answer);
+    catalogue::TimedRun run{};
+    run.evaluator = &*answer.evaluator;
+    run.method = answer.method;
+    runs.push_back(std::move(run));
+  }
+  catalogue::time_in_turns(runs, timed_rounds);
+  for (std::size_t i = 0; i < runs.size(); ++i) timed[i]->us_per_s = 1e6 * runs[i].median_s() / duration_s;
+}
+
+/// What has to be typed for that run.
+std::string command_of(const Task& task, const Bench& bench, const Answer& answer) {
+  const Scenario& scenario = bench.scenario();
+  const OdeSettings& ode = answer.kept.ode;
+  std::string command =
+      fmt::format("odeval run {}{} --method {} --duration {} --step {}{}", scenario.name, task.flags,
+                  answer.method->name, number_text(scenario.duration_s), number_text(answer.kept.step_s),
+                  task.every_step ? "" : " --sample " + number_text(rows_s));
+  if (ode.erp != scenario.ode.erp) command += " --erp " + number_text(ode.erp);
+  if (ode.cfm != scenario.ode.cfm) command += " --cfm " + number_text(ode.cfm);
+  if (ode.start == Start::half_step) command += " --start half-step";
+  if (ode.friction_axes != scenario.ode.friction_axes) command += " --set ode.friction_axes=sliding";
+  return command;
+}
+
+/// What is changed besides step, ERP and CFM.
+std::string also(const Answer& answer) {
+  const OdeSettings& ode = answer.kept.ode;
+  std::vector<std::string> all;
+  if (ode.start == Start::half_step) all.emplace_back("half-step start");
+  if (ode.friction_axes == FrictionAxes::sliding) all.emplace_back("friction along the slide");
+  if (answer.method != nullptr && answer.method->name == iterative)
+    all.push_back(fmt::format("{} iterations", ode.iterations));
+  return all.empty() ? "-" : fmt::format("{}", fmt::join(all, ", "));
+}
+
+constexpr std::string_view never = "no step from 20 ms down to 10 µs keeps it, or the method does not do it";
+
+report::Cell cell_of(const Answer& answer, double value) {
+  if (answer.kept.keeps) return value;
+  return report::Missing{std::string(never)};
+}
+
+/// A task's answers: ODE as its defaults are, its best settings in either stepper, the fourth-order step.
+struct Answered {
+  Answer plain, direct, iterative, accurate;
+
+  const Answer& best() const {
+    const bool is_cheaper =
+        iterative.kept.keeps && (!direct.kept.keeps || iterative.us_per_s < much_cheaper * direct.us_per_s);
+    return is_cheaper ? iterative : direct;
+  }
+};
+
+Answer answer_of(const Bench& bench, std::string_view name, bool as_it_is) {
+  Answer answer{available(name)};
+  if (answer.method == nullptr || !catalogue::does(*answer.method, bench.scenario())) return answer;
+  answer.kept = as_it_is ? bench.largest_step(*answer.method, defaults(bench.scenario())) : bench.best(*answer.method);
+  if (answer.kept.keeps) answer.evaluator.emplace(bench.at(answer.kept.step_s, answer.kept.ode));
+  return answer;
+}
+
+Answered answered(const Bench& bench) {
+  std::array all{answer_of(bench, direct, true), answer_of(bench, direct, false), answer_of(bench, iterative, false),
+                 answer_of(bench, accurate, true)};
+  time_all(all, bench.scenario().duration_s);
+  auto& [plain, best, iterated, fourth] = all;
+  return {std::move(plain), std::move(best), std::move(iterated), std::move(fourth)};
+}
+
+void add_findings(const Task& task, const Answered& all, Findings& findings) {
+  const Answer& best = all.best();
+  const std::string unit(quantities[task.quantity].unit);
+  const std::string about = fmt::format("{}, {} {} kept", task.text, shown(task.budget), unit);
+  const std::string name = "answer." + std::string(task.name);
+  const auto found = [&](const Answer& answer, std::string meaning, std::string of, double value) {
+    meaning += about;
+    findings.add(name + of, answer.kept.keeps ? measured(meaning, of == "_erp" ? "" : "ms", value)
+                                              : unavailable(meaning, "ms", std::string(never)));
+  };
+  found(best, "step of ODE's best settings: ", "_step", 1e3 * best.kept.step_s);
+  found(best, "ERP of ODE's best settings: ", "_erp", best.kept.ode.erp);
+  found(all.plain, "step of ODE's defaults: ", "_default_step", 1e3 * all.plain.kept.step_s);
+}
+
+std::vector<report::Cell> row_of(const Task& task, const Bench& bench, const Answered& all) {
+  const Answer& best = all.best();
+  const Kept& kept = best.kept;
+  const std::string unit(quantities[task.quantity].unit);
+  return {std::string(task.text),
+          fmt::format("{} {}, {} s", shown(task.budget), unit, shown(bench.scenario().duration_s)),
+          best.method == nullptr || best.method->name == direct ? "dWorldStep" : "dWorldQuickStep",
+          cell_of(best, 1e3 * kept.step_s),
+          cell_of(best, kept.ode.erp),
+          cell_of(best, kept.ode.cfm),
+          also(best),
+          cell_of(best, kept.error),
+          cell_of(best, best.us_per_s),
+          cell_of(all.plain, 1e3 * all.plain.kept.step_s),
+          cell_of(all.plain, all.plain.us_per_s),
+          cell_of(all.accurate, 1e3 * all.accurate.kept.step_s),
+          cell_of(all.accurate, all.accurate.us_per_s)};
+}
+
+/// ODE's double pendulum with the truth as an outline, until a second after it is lost.
+report::Exhibit film(Laboratory& laboratory, double until_s) try {
+  constexpr int rate = 12;  // frames a second
+  const Scenario& scenario = laboratory.scenario("double_pendulum");
+  const catalogue::Evaluation& run = *laboratory.run(scenario.name, direct);
+  const Reference& reference = laboratory.evaluator(scenario.name).reference();
+  render::Studio studio(scenario, {30, 14, {}}, 420, 300, render::caption_font(), {});
+  render::Film frames(rate, {{"scenario", scenario.name}, {"method", direct}});
+  const double spacing = run.trace.t.at(1);
+  for (int frame = 0; frame <= rate * until_s; ++frame) {
+    const auto row = static_cast<std::size_t>(std::lround(frame / (rate * spacing)));
+    if (row >= run.trace.rows()) break;
+    const std::string label = fmt::format("t = {:.2f} s", run.trace.t[row]);
+    frames.add(studio.picture(
+        {render::pose_at(scenario, run.trace, row), render::pose_at(scenario, reference.trace, row), label},
+        {"ODE, and the truth as an outline", label}));
+  }
+  return report::Picture{.name = "film", .png = frames.finish()};
+} catch (const MachineError& error) {  // no OpenGL, no font
+  return report::Lacking{"film", error.what()};
+}
+
+}  // namespace
+
+Content answer(Laboratory& laboratory, Findings& findings) {
+  report::Table table{
+      .name = "answer",
+      .columns = {"task", "keeps, until", "stepper", "step, ms", "ERP", "CFM", "also", "error", "µs a simulated second",
+                  "ODE's defaults: step, ms", "µs a second", "accurate step: step, ms", "µs a second"}};
+  report::Table proofs{.name = "answer-proofs", .columns = {"task", "the run that proves it"}};
+  for (const Task& task : tasks) {
+    table.evidence.emplace_back(task.evidence);
+    try {
+      const Bench bench(task, laboratory);
+      const Answered all = answered(bench);
+      add_findings(task, all, findings);
+      table.rows.push_back(row_of(task, bench, all));
+      if (all.best().kept.keeps) proofs.rows.push_back({std::string(task.text), command_of(task, bench, all.best())});
+    } catch (const std::exception& error) {  // the build lacks what the task's reference needs
+      table.rows.push_back({std::string(task.text), report::Missing{error.what()}});
+    }
+  }
+  catalogue::Evaluator& pendulum = laboratory.evaluator("double_pendulum");
+  const catalogue::Evaluation& run = *laboratory.run("double_pendulum", direct);
+  const Metrics whole = pendulum.measure(run, pendulum.scenario().duration_s);
+  const double lost_at = whole[quantity::divergence_time].value_or(pendulum.scenario().duration_s);
+  findings.add("answer.error_1s",
+               measured("angle error of dWorldStep until 1 s, double pendulum, h = 0.001 s", "mrad",
+                        1e3 * error_until(pendulum, run, 1), 1e3 * uncertainty_until(pendulum, run, 1)));
+  findings.add("answer.lost_at",
+               measured("when dWorldStep's double pendulum is another motion, h = 0.001 s", "s", lost_at));
+  findings.add("answer.energy_drift",
+               measured("energy drift of dWorldStep until 1 s, double pendulum, h = 0.001 s", "J",
+                        pendulum.measure(run, 1)[quantity::max_energy_drift].value_or(
+                            std::numeric_limits<double>::quiet_NaN())));
+  if (const catalogue::Evaluation* const single = laboratory.run("double_pendulum", "ode-step-single")) {
+    findings.add(
+        "answer.single_ratio",
+        measured_ratio("angle error in single over that in double precision until 1 s, double pendulum, h = 0.001 s",
+                       error_until(pendulum, *single, 1), error_until(pendulum, run, 1),
+                       uncertainty_until(pendulum, run, 1), uncertainty_until(pendulum, run, 1)));
+  } else {
+    findings.add("answer.single_ratio", unavailable("angle error in single over that in double precision until 1 s", "",
+                                                    "no single precision in this build"));
+  }
+  Content content;
+  content.exhibits.emplace_back(std::move(table));
+  content.exhibits.emplace_back(std::move(proofs));
+  content.exhibits.push_back(film(laboratory, lost_at + 1));
+  return content;
+}
+
+}  // namespace odeval::experiments

@@ -1,0 +1,153 @@
+#include "experiments/highlights.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <optional>
+
+#include "report/template.hpp"
+#include "report/text.hpp"
+
+namespace odeval::experiments {
+namespace {
+
+using report::Condition;
+using report::Relation;
+
+constexpr auto at_most = Relation::at_most;
+constexpr auto at_least = Relation::at_least;
+
+// clang-format off
+constexpr Condition first_order[] = {{"C1.order_off", at_most, 0.1}};
+constexpr Condition half_step[]   = {{"O1.gain", at_least, 10}};
+constexpr Condition erp[]         = {{"O2.gain", at_least, 2}};
+constexpr Condition feedback[]    = {{"coordinates.feedback_gain", at_least, 10}};
+constexpr Condition quickstep[]   = {{"C2.error_ratio", at_most, 1.01}, {"C2.chain_error_ratio", at_least, 1.5}};
+constexpr Condition friction[]    = {{"C14.anisotropy", at_least, 0.1}};
+constexpr Condition contact[]     = {{"potra.late_steps", at_most, 2}};
+constexpr Condition single[]      = {{"C4.long_axis_spin_single", at_least, 1}, {"C4.long_axis_spin_double", at_most, 1e-3}};
+constexpr Condition energy[]      = {{"C8a.ode_over_ode45", at_most, 0.5}, {"C9.distance_ratio", at_least, 0.1}};
+constexpr Condition remedy[]      = {{"C12.smooth_gain", at_least, 1000}, {"C12.impact_gain", at_least, 1000}};
+
+constexpr Condition known[]        = {{"answer.error_1s", at_least, 0}};
+constexpr Condition same_single[]  = {{"answer.single_ratio", at_most, 1.1}, {"C4.long_axis_spin_single", at_least, 1}};
+constexpr Condition arm[]          = {{"answer.arm_step", at_least, 0}, {"answer.arm_default_step", at_least, 0}};
+
+/// The box: no figures.
+constexpr std::array box{
+    Row{"answer", "", 0, known,
+        "With ODE's defaults and a step of one millisecond the angles of a mechanism of metre size are off by {{answer_error_1s}} after one second; after {{answer_lost_at}} it is another motion. Its energy is then right to {{answer_energy_drift}}, and tells nothing of it."},
+    Row{"answer", "", 0, arm,
+        "To keep a milliradian for two seconds such an arm needs a step of {{answer_arm_step}}, ERP {{answer_arm_erp}} and the start of the table below; with ODE's defaults a step of {{answer_arm_default_step}}."},
+    Row{"answer", "", 0, contact,
+        "An impact comes at most {{potra_late_steps}} steps late. Friction is up to {{C14_anisotropy_percent}} too strong across the axes of its pyramid."},
+    Row{"answer", "", 0, same_single,
+        "Single precision is safe for such an arm, where its error is {{answer_single_ratio}} times that of double precision; not for long thin bodies, which it spins up, and not for steps far below a millisecond."},
+};
+
+constexpr std::array table{
+    Row{"order", "order-lines", 0, first_order,
+        "ODE is first order: half the step, half the error, twice the cost. Order of dWorldStep: {{order_ode_step_double}}."},
+    Row{"half-step", "half-step-figure", 0, half_step,
+        "Most of that error is a clock half a step off. Starting with the velocities of half a step before the start divides the error of a double pendulum by {{O1_gain}} at the finest step tried, for nothing."},
+    Row{"half-step-erp", "half-step-erp-figure", 0, erp,
+        "With that start, an ERP of 0.8 instead of the default 0.2 divides the error by {{O2_gain}} again."},
+    Row{"coordinates", "coordinates-erp", 0, feedback,
+        "Leave the feedback on: with ERP 0 the error of a double pendulum is {{coordinates_feedback_gain}} times as large."},
+    Row{"quickstep-chain", "quickstep-chain-figure", 0, quickstep,
+        "QuickStep is as good as dWorldStep on two links; on a chain of 32 links it needs more than its 20 iterations, with which its error is {{C2_chain_error_ratio}} times dWorldStep's."},
+    Row{"friction", "friction-figure", 0, friction,
+        "Friction is a pyramid: at 45 degrees to its axes it is {{C14_anisotropy_percent}} stronger, unless each contact is told the way it slides."},
+    Row{"potra", "potra-figure", 1, contact,
+        "An impact is at most {{potra_late_steps}} steps late."},
+    Row{"thin-body", "thin-body-figure", 0, single,
+        "Single precision is not safe for long thin bodies: a box of 1:1000 takes up {{C4_long_axis_spin_single}} times its own spin about its length, in double precision {{C4_long_axis_spin_double}}."},
+    Row{"energy", "energy-drift", 0, energy,
+        "Energy does not tell how wrong a motion is: ODE's drifts {{C8a_ode_over_ode45}} times as far as ode45's, and its motion is {{C9_distance_ratio}} times as far from ode45's as Euler's is."},
+    Row{"remedy", "remedy-errors", 0, remedy,
+        "odeval's fourth-order step moves the same ODE world {{C12_smooth_gain}} times as accurately at the same step, through impacts {{C12_impact_gain}} times."},
+};
+// clang-format on
+
+bool holds(const Row& row, const report::Findings& findings) {
+  return std::ranges::all_of(row.holds_if, [&](const Condition& condition) {
+    const report::Finding* const finding = findings.find(condition.finding);
+    return finding != nullptr && finding->value && report::holds(condition, *finding).value_or(false);
+  });
+}
+
+/// A finding's name as templates can have it.
+std::string in_template(std::string_view name) {
+  std::string out(name);
+  std::ranges::replace_if(
+      out, [](char letter) { return letter == '.' || letter == '-'; }, '_');
+  return out;
+}
+
+/// Without its uncertainty where that is below what three digits show.
+std::string plainly(const report::Finding& finding) {
+  report::Finding plain = finding;
+  if (plain.uncertainty < 0.005 * std::fabs(*plain.value)) plain.uncertainty = 0;
+  return report::shown(plain);
+}
+
+std::string percent(const report::Finding& finding) {
+  return plainly({"", "%", 100 * *finding.value, 100 * finding.uncertainty, ""});
+}
+
+/// Nothing where its conditions do not hold, or a number that it names was not measured.
+std::optional<std::string> sentence_of(const Row& row, const report::Findings& findings) {
+  if (!holds(row, findings)) return std::nullopt;
+  report::Values values;
+  for (const std::string& wanted : report::names_in(row.sentence)) {
+    constexpr std::string_view as_percent = "_percent";
+    const bool is_percent = wanted.ends_with(as_percent);
+    const std::string_view name =
+        std::string_view(wanted).substr(0, wanted.size() - (is_percent ? as_percent.size() : 0));
+    const auto found =
+        std::ranges::find_if(findings.all(), [&](const auto& one) { return in_template(one.first) == name; });
+    if (found == findings.all().end() || !found->second.value) return std::nullopt;
+    values.insert({wanted, is_percent ? percent(found->second) : plainly(found->second)});
+  }
+  return report::filled(row.section, row.sentence, values, [](std::string_view text) { return std::string(text); });
+}
+
+const report::Figure* figure_of(const Row& row, std::span<const report::Section> sections) {
+  for (const report::Section& section : sections) {
+    if (section.name != row.section) continue;
+    for (const report::Block& block : section.blocks) {
+      const auto* const figure = std::get_if<report::Figure>(&block);
+      if (figure != nullptr && figure->name == row.figure && row.panel < figure->panels.size()) return figure;
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+std::span<const Row> highlights() { return table; }
+
+std::vector<report::Section> front_of(std::vector<report::Section>& sections, const report::Findings& findings) {
+  report::Section answer{"answer", "Which settings?", {}};
+  for (const Row& row : box) {
+    if (const auto sentence = sentence_of(row, findings)) answer.blocks.emplace_back(report::Text{*sentence});
+  }
+  const auto measured = std::ranges::find(sections, answer.name, &report::Section::name);
+  if (measured != sections.end()) {
+    answer.title = measured->title;
+    std::ranges::move(measured->blocks, std::back_inserter(answer.blocks));
+    sections.erase(measured);
+  }
+  report::Section in_short{"in-short", "In short", {}};
+  for (const Row& row : table) {
+    const report::Figure* const figure = figure_of(row, sections);
+    const std::optional<std::string> sentence = sentence_of(row, findings);
+    if (figure == nullptr || !sentence) continue;
+    in_short.blocks.emplace_back(report::Highlight{
+        *sentence, {figure->name, figure->title, "", {figure->panels[row.panel]}, 1}, std::string(row.section)});
+  }
+  return {std::move(answer), std::move(in_short)};
+}
+
+}  // namespace odeval::experiments
