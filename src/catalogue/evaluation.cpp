@@ -44,12 +44,12 @@ std::unique_ptr<Simulation> make_as_asked(const Method& method, const Scenario& 
   return method.make(earlier, grid);
 }
 
-Suspects* keeper = nullptr;  // the one that lives
+Suspects* keeper = nullptr;  // the youngest that lives
 
 }  // namespace
 
-Suspects::Suspects() { keeper = this; }
-Suspects::~Suspects() { keeper = nullptr; }
+Suspects::Suspects() : outer_(std::exchange(keeper, this)) {}
+Suspects::~Suspects() { keeper = outer_; }
 
 void Suspects::note(const Evaluation& run, const Scenario& scenario) {
   const std::string why = suspicion(run.outcome);

@@ -53,7 +53,8 @@ class Evaluator {
 /// While one lives, it keeps the runs of this process that ODE itself complained of, each once: "SCENARIO in
 /// ode-step-double, h = 0.001 s: 736 messages of ODE (LCP internal error)".
 ///
-/// One at a time. Who runs thousands without one, as a sweep does, keeps nothing.
+/// One within another keeps its runs from the outer one: for trials of which nothing is shown. Who runs thousands
+/// without one, as a sweep does, keeps nothing.
 class Suspects {
  public:
   Suspects();
@@ -67,6 +68,7 @@ class Suspects {
   static void note(const Evaluation& run, const Scenario& scenario);
 
  private:
+  Suspects* outer_;
   std::vector<std::string> lines_;
 };
 

@@ -116,7 +116,7 @@ Content accuracy(Laboratory& laboratory, Findings& findings) {
                               ode_apart, euler_apart));
   const std::optional<double> parted = parts_at(ode, ode45, visible_rad);
   const std::string meaning = fmt::format("first time that ODE differs from ode45 by more than {} rad", visible_rad);
-  findings.add("C9.ode_parts_at", parted ? measured(meaning, "s", *parted, step)
+  findings.add("C9.ode_parts_at", parted ? known_by(report::Source::step, measured(meaning, "s", *parted, step))
                                          : unavailable(meaning, "s", "they stay together to the end"));
 
   const auto lost_at = [&](const Evaluation* run) {

@@ -136,6 +136,7 @@ class Bench {
   }
 
   Kept tried(const catalogue::Method& method, double step_s, const OdeSettings& ode) const {
+    const catalogue::Suspects trials;  // a run that ODE complained of is no answer, and not shown
     catalogue::Evaluator evaluator = at(step_s, ode);
     const catalogue::Evaluation run = evaluator.evaluate(method);
     const Metrics metrics = evaluator.measure(run, scenario_.duration_s);

@@ -189,7 +189,7 @@ void add_exponents(report::Table& table, const std::vector<Growth>& growths) {
 
 void add_finding(Findings& findings, const std::string& name, const std::string& meaning, const Growth& growth) {
   const auto fit = exponent(growth);
-  findings.add(name, fit ? measured(meaning, "", fit->order, fit->half_width)
+  findings.add(name, fit ? known_by(report::Source::fit, measured(meaning, "", fit->order, fit->half_width))
                          : unavailable(meaning, "", "too few runs stayed finite"));
 }
 

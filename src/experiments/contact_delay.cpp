@@ -196,7 +196,8 @@ void add_findings(Findings& findings, const std::vector<Contact>& contacts, cons
   const std::optional<Move> delay = delay_of(contacts, file);
   const auto add_share = [&](const std::string& name, const std::string& meaning, const std::optional<Move>& move) {
     const std::string whole = meaning + fmt::format(", as a share of the delay after q = -pi/2, {}", settings);
-    findings.add(name, move && delay ? measured_ratio(whole, move->s, delay->s, move->step_s, delay->step_s)
+    findings.add(name, move && delay ? known_by(report::Source::step,
+                                                measured_ratio(whole, move->s, delay->s, move->step_s, delay->step_s))
                                      : unavailable(whole, "", none));
   };
   add_share("C11b.by_settings", "largest move of the first contact by ERP and CFM, both faces and steppers",

@@ -124,7 +124,8 @@ void add_findings(Findings& findings, const Case& which, const std::vector<Run>&
   const std::string meaning = "observed order with the half-step start, " + settings;
   const auto order = order_of(runs, half_started);
   findings.add("O1.order" + end,
-               order ? measured(meaning, "", order->order, order->half_width) : unavailable(meaning, "", few_points));
+               order ? known_by(report::Source::fit, measured(meaning, "", order->order, order->half_width))
+                     : unavailable(meaning, "", few_points));
 }
 
 /// The best shift of every method's trace, at the settings of the files.

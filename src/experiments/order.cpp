@@ -80,7 +80,7 @@ void add_distance(Findings& findings, const std::string& name, const std::string
     worst = off;
     uncertainty = observed->half_width;
   }
-  findings.add(name, measured(meaning, "", worst, uncertainty));
+  findings.add(name, known_by(report::Source::fit, measured(meaning, "", worst, uncertainty)));
 }
 
 void add_orders(Findings& findings, const std::vector<Measured>& all) {
@@ -90,7 +90,8 @@ void add_orders(Findings& findings, const std::vector<Measured>& all) {
     if (one.points.empty()) {
       findings.add("order." + name, unavailable(meaning, "", std::string(catalogue::without_single_precision)));
     } else if (const auto observed = settled_order(one.points)) {
-      findings.add("order." + name, measured(meaning, "", observed->order, observed->half_width));
+      findings.add("order." + name,
+                   known_by(report::Source::fit, measured(meaning, "", observed->order, observed->half_width)));
     } else {
       findings.add("order." + name, unavailable(meaning, "", not_settled));
     }

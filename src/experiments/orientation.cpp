@@ -103,8 +103,9 @@ Content orientation(Laboratory& laboratory, Findings& findings) {
   findings.add("C15.quaternion_drift", measured("the same for a normalised quaternion, and for the links in ODE", "",
                                                 std::max(worst[3], worst_of_ode)));
   findings.add("C15.cost_ratio",
-               measured_ratio("time of a normalised quaternion's step over that of a matrix made orthonormal",
-                              cost[3].ns, cost[1].ns, cost[3].uncertainty, cost[1].uncertainty));
+               known_by(report::Source::timing,
+                        measured_ratio("time of a normalised quaternion's step over that of a matrix made orthonormal",
+                                       cost[3].ns, cost[1].ns, cost[3].uncertainty, cost[1].uncertainty)));
 
   Content content;
   content.values = {{"until", until_s}, {"step", step_s}};

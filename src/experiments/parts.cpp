@@ -103,6 +103,18 @@ Finding measured(std::string meaning, std::string unit, double value, double unc
   return {std::move(meaning), std::move(unit), value, uncertainty, {}};
 }
 
+Finding known_by(report::Source source, Finding finding) {
+  finding.source = source;
+  return finding;
+}
+
+Finding among(Finding finding, const std::vector<double>& at_neighbours) {
+  if (!finding.value || at_neighbours.empty()) return finding;
+  const auto [least, largest] = std::ranges::minmax(at_neighbours);
+  finding.nearby = {std::min(least, *finding.value), std::max(largest, *finding.value)};
+  return finding;
+}
+
 Finding measured_ratio(std::string meaning, double a, double b, double uncertainty_a, double uncertainty_b) {
   const double ratio = a / b;
   return measured(std::move(meaning), "", ratio, (uncertainty_a + std::fabs(ratio) * uncertainty_b) / std::fabs(b));

@@ -50,6 +50,12 @@ std::optional<report::Shade> all_lost(catalogue::Evaluator& evaluator,
 /// A finding that has its value only when that is finite.
 report::Finding measured(std::string meaning, std::string unit, double value, double uncertainty = 0);
 
+/// The same number, whose uncertainty is not the reference's.
+report::Finding known_by(report::Source source, report::Finding finding);
+
+/// The same number beside what it is at neighbouring settings, which no user would tell from those that gave it.
+report::Finding among(report::Finding finding, const std::vector<double>& at_neighbours);
+
 /// a / b, where each may be off by `uncertainty_a`, `uncertainty_b`; the uncertainty is that of first order.
 report::Finding measured_ratio(std::string meaning, double a, double b, double uncertainty_a = 0,
                                double uncertainty_b = 0);

@@ -93,10 +93,12 @@ Content sensitivity(Laboratory& laboratory, Findings& findings) {
   catalogue::Evaluator& evaluator = laboratory.evaluator("double_pendulum");
   const Pair pair = measure_pair(evaluator);
   const double growth = pair.motion.growth[row_at(pair.motion.t, look_s)];
-  findings.add("C10.perturbed_parts_at",
+  findings.add(
+      "C10.perturbed_parts_at",
+      known_by(report::Source::step,
                measured(fmt::format("first time at which {} rad more in q1 and q2 at the start move q2 by {} rad",
                                     delta_rad, parted_rad),
-                        "s", pair.parts_at, evaluator.grid().step_s));
+                        "s", pair.parts_at, evaluator.grid().step_s)));
   findings.add("C10.growth_at_6s",
                measured("growth of the worst small error of the start until 6 s (largest singular value)", "", growth));
 

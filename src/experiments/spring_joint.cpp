@@ -164,8 +164,9 @@ Content spring_joint(Laboratory& laboratory, Findings& findings) {
   const std::string meaning =
       "least observed order of the position against the damped oscillator, damping from a tenth to three times "
       "critical";
-  findings.add("C6.oscillator_order", least ? measured(meaning, "", least->order, least->half_width)
-                                            : unavailable(meaning, "", "too few points"));
+  findings.add("C6.oscillator_order",
+               least ? known_by(report::Source::fit, measured(meaning, "", least->order, least->half_width))
+                     : unavailable(meaning, "", "too few points"));
 
   Content content;
   content.values = {{"step", file.step_s},

@@ -89,8 +89,9 @@ void add_ratio(Findings& findings, const std::string& name, const std::string& m
   };
   const std::vector<double>& one = run_of(a);
   const std::vector<double>& other = run_of(b);
-  findings.add(name,
-               measured_ratio(meaning, median(one), median(other), median_half_width(one), median_half_width(other)));
+  findings.add(
+      name, known_by(report::Source::timing, measured_ratio(meaning, median(one), median(other), median_half_width(one),
+                                                            median_half_width(other))));
 }
 
 }  // namespace

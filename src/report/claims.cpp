@@ -31,8 +31,8 @@ constexpr Condition c6_refuted[]   = {{"C6.discrete_law_error", at_least, 1e-3}}
 constexpr Condition c7_confirmed[] = {{"C7.ode45_over_ode", at_least, 1}, {"C7.ode45_over_ode", at_most, 2}, {"C7.euler_over_ode", at_least, 2}, {"C7.dh_over_lagrange", at_least, 2}};
 constexpr Condition c7_refuted[]   = {{"C7.ode45_over_ode", at_most, 0.5}, {"C7.euler_over_ode", at_most, 0.5}};
 
-constexpr Condition c8a_confirmed[] = {{"C8a.ode_over_ode45", at_least, 2}, {"C8a.ode_over_euler", at_least, 2}};
-constexpr Condition c8a_refuted[]   = {{"C8a.ode_over_ode45", at_most, 1}, {"C8a.ode_over_euler", at_most, 1}};
+constexpr Condition c8a_confirmed[] = {{"C8a.fluctuation_over_ode45", at_least, 2}, {"C8a.fluctuation_over_euler", at_least, 2}};
+constexpr Condition c8a_refuted[]   = {{"C8a.fluctuation_over_ode45", at_most, 1}, {"C8a.fluctuation_over_euler", at_most, 1}};
 
 constexpr Condition c8b_confirmed[] = {{"C8b.largest_ratio", at_most, 0.5}};
 constexpr Condition c8b_refuted[]   = {{"C8b.largest_ratio", at_least, 1}, {"C8b.least_ratio", at_least, 1}};

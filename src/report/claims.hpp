@@ -16,7 +16,7 @@ namespace odeval::report {
 enum class Relation { at_most, at_least };
 
 /// "finding <= bound" or "finding >= bound". With its uncertainty the finding has to lie wholly on one side; where the
-/// bound lies within it, the condition is undecided.
+/// bound lies within it, or within what neighbouring settings give, the condition is undecided.
 struct Condition {
   std::string_view finding;
   Relation relation;
@@ -40,7 +40,7 @@ std::span<const Claim> claims();
 /// has a value.
 std::optional<bool> holds(const Condition& condition, const Finding& finding);
 
-enum class Verdict { confirmed, refuted, confirmed_with_limits, not_measured };
+enum class Verdict { confirmed, refuted, confirmed_with_limits, not_settled, not_measured };
 
 struct Judged {
   const Claim* claim;
@@ -53,6 +53,7 @@ struct Judged {
 /// confirmed              every condition of confirmed_if holds
 /// refuted                every condition of refuted_if holds
 /// confirmed_with_limits  neither: some of it holds, or the numbers cannot tell
+/// not_settled            a condition holds at some of the settings beside those that were measured, and not at others
 /// not_measured           a finding that a condition names has no finite value
 Judged judge(const Claim& claim, const Findings& findings);
 

@@ -32,6 +32,20 @@ std::string line(const std::vector<std::string>& cells) {
 std::string value_text(const Finding& finding) { return finding.value ? number_text(*finding.value) : ""; }
 std::string uncertainty_text(const Finding& finding) { return finding.value ? number_text(finding.uncertainty) : ""; }
 
+std::string source_text(Source source) {
+  switch (source) {
+    case Source::reference:
+      return "reference";
+    case Source::fit:
+      return "fit";
+    case Source::timing:
+      return "timing";
+    case Source::step:
+      break;
+  }
+  return "step";
+}
+
 std::string holds_text(const Condition& condition, const Finding& finding) {
   if (!finding.value || !std::isfinite(*finding.value)) return "";
   const std::optional<bool> held = holds(condition, finding);
@@ -53,10 +67,12 @@ std::string table_csv(const Table& table) {
 }
 
 std::string findings_csv(const Findings& findings) {
-  std::string text = "name,value,uncertainty,unit,meaning,missing\n";
+  std::string text = "name,value,uncertainty,unit,meaning,missing,uncertainty_of,nearby_least,nearby_largest\n";
   for (const auto& [name, finding] : findings.all()) {
     text += line({cell(name), value_text(finding), uncertainty_text(finding), cell(finding.unit), cell(finding.meaning),
-                  cell(finding.missing)});
+                  cell(finding.missing), finding.value && finding.uncertainty > 0 ? source_text(finding.source) : "",
+                  finding.nearby ? number_text(finding.nearby->first) : "",
+                  finding.nearby ? number_text(finding.nearby->second) : ""});
   }
   return text;
 }

@@ -12,6 +12,17 @@ bool all_hold(std::span<const Condition> conditions, const Findings& findings) {
   });
 }
 
+/// Whether a condition holds at some of the neighbouring settings and not at others.
+bool flips_nearby(const Claim& claim, const Findings& findings) {
+  for (const auto& conditions : {claim.confirmed_if, claim.refuted_if}) {
+    for (const Condition& condition : conditions) {
+      const auto& nearby = findings.find(condition.finding)->nearby;
+      if (nearby && nearby->first < condition.bound && nearby->second > condition.bound) return true;
+    }
+  }
+  return false;
+}
+
 /// Why a finding decides nothing; empty when it does.
 std::string why_unusable(std::string_view name, const Finding& finding) {
   if (!finding.value) return finding.missing.empty() ? std::string(name) + " has no value" : finding.missing;
@@ -26,8 +37,12 @@ void add_reason(std::string& all, const std::string& why) {
 }  // namespace
 
 std::optional<bool> holds(const Condition& condition, const Finding& finding) {
-  const double low = finding.value.value() - finding.uncertainty;
-  const double high = finding.value.value() + finding.uncertainty;
+  double low = finding.value.value() - finding.uncertainty;
+  double high = finding.value.value() + finding.uncertainty;
+  if (finding.nearby) {
+    low = std::min(low, finding.nearby->first);
+    high = std::max(high, finding.nearby->second);
+  }
   const bool below = high <= condition.bound;
   const bool above = low >= condition.bound;
   const bool at_most = condition.relation == Relation::at_most;
@@ -60,6 +75,10 @@ Judged judge(const Claim& claim, const Findings& findings) {
   }
   if (!never.empty()) add_reason(judged.missing, "no experiment measures " + never);
   if (!judged.missing.empty()) return judged;
+  if (flips_nearby(claim, findings)) {
+    judged.verdict = Verdict::not_settled;
+    return judged;
+  }
   judged.verdict = all_hold(claim.confirmed_if, findings) ? Verdict::confirmed
                    : all_hold(claim.refuted_if, findings) ? Verdict::refuted
                                                           : Verdict::confirmed_with_limits;
@@ -74,6 +93,8 @@ std::string_view verdict_text(Verdict verdict) {
       return "refuted";
     case Verdict::confirmed_with_limits:
       return "confirmed with limits";
+    case Verdict::not_settled:
+      return "not settled";
     case Verdict::not_measured:
       break;
   }

@@ -185,8 +185,8 @@ class Writer {
  private:
   Items tally() const {
     Items items;
-    for (const Verdict verdict :
-         {Verdict::confirmed, Verdict::confirmed_with_limits, Verdict::refuted, Verdict::not_measured}) {
+    for (const Verdict verdict : {Verdict::confirmed, Verdict::confirmed_with_limits, Verdict::refuted,
+                                  Verdict::not_settled, Verdict::not_measured}) {
       const auto count = std::ranges::count(verdicts_, verdict, &Judged::verdict);
       if (count > 0) items.push_back({{"count", count}, {"verdict", verdict_text(verdict)}});
     }

@@ -66,8 +66,8 @@ void pass(Way& way, Value& value) {
 
 template <class Way, bytes::is<Finding> Value>
 void pass(Way& way, Value& value) {
-  auto& [meaning, unit, number, uncertainty, missing] = value;
-  each(way, meaning, unit, number, uncertainty, missing);
+  auto& [meaning, unit, number, uncertainty, missing, source, nearby] = value;
+  each(way, meaning, unit, number, uncertainty, missing, source, nearby);
 }
 
 template <class Way, bytes::is<Outcome> Value>

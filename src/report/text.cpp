@@ -39,10 +39,19 @@ std::string shown(double number) {
 
 std::string shown(const Finding& finding) {
   std::string text = shown(finding.value.value());
-  if (finding.uncertainty > 0 && std::isfinite(finding.uncertainty)) {
+  const bool is_uncertain = finding.uncertainty > 0 && std::isfinite(finding.uncertainty);
+  if (is_uncertain && finding.source == Source::reference) {
     text += " ± " + short_exponent(fmt::format("{:.1g}", finding.uncertainty));
   }
   if (!finding.unit.empty()) text += " " + finding.unit;
+  if (is_uncertain && finding.source != Source::reference) {
+    text += fmt::format(" ({} to {})", shown(*finding.value - finding.uncertainty),
+                        shown(*finding.value + finding.uncertainty));
+  }
+  if (finding.nearby) {
+    text += fmt::format(" ({} to {} at neighbouring settings)", shown(finding.nearby->first),
+                        shown(finding.nearby->second));
+  }
   return text;
 }
 

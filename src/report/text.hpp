@@ -11,7 +11,8 @@ namespace odeval::report {
 /// digits without zeros at its end. The number is finite.
 std::string shown(double number);
 
-/// "0.00888 ± 3e-10 rad". The finding has a finite value.
+/// "0.00888 ± 3e-10 rad", "0.98 (0.97 to 0.99)" where the uncertainty is not the reference's. The finding has a finite
+/// value.
 std::string shown(const Finding& finding);
 
 /// Text as markup shows it: & < > and quotes.

@@ -7,6 +7,7 @@
 #include "catalogue/evaluation.hpp"
 #include "catalogue/paths.hpp"
 #include "experiments/experiment.hpp"
+#include "experiments/highlights.hpp"
 #include "experiments/parts.hpp"
 #include "model/find_scenario.hpp"
 #include "model/read_scenario.hpp"
@@ -184,6 +185,23 @@ constexpr Band bands[] = {
     {"C4.long_axis_spin_single", 90, 9000},        // 902: the same, grown by the ratio of the moments
     {"C6.discrete_law_error", 0, 1e-12},           // 1.3e-14
     {"C6.oscillator_order", 0.94, 0.965},          // 0.9527: from steps of 8 ms on, where the next term still shows
+    {"answer.arm_step", 2, 2},                     // ms, each one step of a ladder of 1, 2, 5: the next one does not
+    {"answer.arm_erp", 0.8, 0.8},
+    {"answer.arm_default_step", 0.1, 0.1},
+    {"answer.impacts_step", 1, 1},
+    {"answer.chain_step", 2, 2},
+    {"answer.chain_default_step", 0.5, 0.5},
+    {"answer.sliding_step", 20, 20},
+    {"answer.rest_step", 0.2, 0.2},
+    {"answer.tumbling_step", 0.02, 0.02},
+    {"answer.motor_step", 20, 20},
+    {"answer.motor_default_step", 2, 2},
+    {"answer.error_1s", 4.64, 4.73},               // 4.69 mrad
+    {"answer.lost_at", 5.89, 5.93},                // 5.908 s
+    {"answer.energy_drift", 0.0363, 0.0377},       // 0.0370 J
+    {"answer.single_ratio", 0.99, 1.01},           // 0.9992: steps large beside rounding
+    {"C8a.fluctuation_over_ode45", 0.174, 0.213},  // 0.194
+    {"C8a.fluctuation_over_euler", 0.215, 0.262},  // 0.239
     {"C8a.ode_over_ode45", 0.059, 0.072},          // 0.0656
     {"C8a.ode_over_euler", 0.0494, 0.0604},        // 0.0549
     {"C8b.least_ratio", 85, 104},                  // 94.5, at 1e-3 s
@@ -285,15 +303,27 @@ void check_left_out() {
               "none, neither (" + std::string(catalogue::without_single_precision) + ")");
 }
 
+/// What everybody reads is all there: a sentence whose numbers or plot went missing leaves the page in silence.
+void check_front(Page& page) {
+  const std::vector<report::Section> front = experiments::front_of(page.sections, page.findings);
+  const auto count = [](const report::Section& section, auto is) { return std::ranges::count_if(section.blocks, is); };
+  CHECK_EQUAL(
+      count(front.at(0), [](const report::Block& block) { return std::holds_alternative<report::Text>(block); }), 4);
+  CHECK_EQUAL(
+      count(front.at(1), [](const report::Block& block) { return std::holds_alternative<report::Highlight>(block); }),
+      static_cast<std::ptrdiff_t>(experiments::highlights().size()));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  const Page page = run_all(argc > 1 ? argv[1] : "");
+  Page page = run_all(argc > 1 ? argv[1] : "");
   check_parts(page);
   check_chain_of();
   check_left_out();
   if (argc > 1) return test::verdict();
   check_claims(page);
   check_numbers(page);
+  check_front(page);
   return test::verdict();
 }

@@ -113,6 +113,7 @@ Table table() {
 
 Document every_block() {
   Document document;
+  document.front = {{"answer", "The <answer>", {Text{"So & so."}, Highlight{"One <sentence>.", circle(), "curves"}}}};
   document.sections = {{"curves", "Curves & <tables>", {Text{"Plain <words> & more."}, curves(), log_log(), table()}},
                        {"numbers",
                         "A section named as a table",
@@ -197,7 +198,7 @@ void ids_are_unique_and_links_have_a_target(const std::string& html) {
 }
 
 void every_panel_is_drawn_or_accounted_for(const Page& page) {
-  CHECK_EQUAL(count(page.html, "<svg class=\"plot\""), 5U);
+  CHECK_EQUAL(count(page.html, "<svg class=\"plot\""), 6U);
   CHECK_EQUAL(page.missing.size(), 1U);
   CHECK_EQUAL(page.missing.at(0), "fig-circle: there is no number to draw");
   CHECK(holds_text(page.html, "A plot of nothing against t, s is missing here: there is no number to draw."));
@@ -239,15 +240,38 @@ void a_verdict_shows_its_numbers_and_rule(const std::string& html) {
       html, "<code>T2.never</code> <span class=\"whole\">≥ 2</span>: <span class=\"missing\">not measured</span>"));
 }
 
+/// ± is the reference's; what else is not known is a range.
+void an_uncertainty_says_what_it_is() {
+  Finding finding{"", "rad", 12.5, 0.25, ""};
+  CHECK_EQUAL(shown(finding), "12.5 ± 0.2 rad");
+  finding.source = Source::fit;
+  CHECK_EQUAL(shown(finding), "12.5 rad (12.2 to 12.8)");
+  finding.uncertainty = 0;
+  finding.nearby = {7, 13};
+  CHECK_EQUAL(shown(finding), "12.5 rad (7 to 13 at neighbouring settings)");
+}
+
+/// What everybody reads stands open and first, then the claims; what shows it is folded behind them.
+void the_answer_stands_before_the_evidence(const std::string& html) {
+  const std::size_t answer = html.find("<h2 id=\"answer\">The &lt;answer&gt;</h2>");
+  const std::size_t claims = html.find("<h2 id=\"verdicts\">");
+  const std::size_t evidence = html.find("<details><summary><h2>Curves &amp; &lt;tables&gt;</h2>");
+  CHECK(answer != std::string::npos && answer < claims && claims < evidence && evidence != std::string::npos);
+  CHECK(html.find("<details", answer) > claims);
+  CHECK(holds_text(html, "<figcaption>One &lt;sentence&gt;. <a href=\"#curves\">evidence</a></figcaption>"));
+  CHECK(holds_text(html, "<td>Use &lt;b&gt;, not a.</td></tr>"));
+}
+
 void tables_have_all_digits_beside_the_page() {
   CHECK_EQUAL(table_csv(table()),
               "method,steps,\"error, rad\",\"time, s\"\na & b,10000,0.00888123,1\nsingle,,,nan\n"
               "\"with, comma \"\"q\"\"\",1000000000,5.37e-05,0.999999\n");
   const Findings findings = some_findings();
   CHECK_EQUAL(findings_csv(findings),
-              "name,value,uncertainty,unit,meaning,missing\nT1.ratio,12.5,0.25,,error of <a> over b,\n"
-              "T2.lost,,,rad,a number that was lost,single precision <not> in this build\n"
-              "T3.infinite,inf,0,,a number beyond numbers,\n");
+              "name,value,uncertainty,unit,meaning,missing,uncertainty_of,nearby_least,nearby_largest\n"
+              "T1.ratio,12.5,0.25,,error of <a> over b,,reference,,\n"
+              "T2.lost,,,rad,a number that was lost,single precision <not> in this build,,,\n"
+              "T3.infinite,inf,0,,a number beyond numbers,,,,\n");
   CHECK_EQUAL(verdicts_csv(judged(findings), findings),
               "claim,verdict,kind,finding,relation,bound,value,uncertainty,unit,holds,missing\n"
               "T1,confirmed,confirmed_if,T1.ratio,>=,2,12.5,0.25,,yes,\n"
@@ -317,7 +341,7 @@ void without_gnuplot_the_page_says_so() {
   const Page page = page_of(every_block());
   setenv("PATH", path.c_str(), 1);
   CHECK_EQUAL(count(page.html, "<svg class=\"plot\""), 0U);
-  CHECK_EQUAL(page.missing.size(), 6U);
+  CHECK_EQUAL(page.missing.size(), 7U);
   CHECK(holds_text(page.html, "A plot of q1, rad against t, s is missing here: gnuplot: cannot be started"));
   ids_are_unique_and_links_have_a_target(page.html);
 }
@@ -335,6 +359,8 @@ int main(int argc, char** argv) {
   what_is_missing_is_said_in_its_place(page.html);
   files_are_linked(page.html);
   a_verdict_shows_its_numbers_and_rule(page.html);
+  an_uncertainty_says_what_it_is();
+  the_answer_stands_before_the_evidence(page.html);
   tables_have_all_digits_beside_the_page();
   a_colour_stays_with_its_index();
   the_same_name_twice_is_a_mistake();
