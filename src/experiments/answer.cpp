@@ -287,12 +287,12 @@ std::vector<report::Cell> row_of(const Task& task, const Bench& bench, const Ans
   const Kept& kept = best.kept;
   const std::string unit(quantities[task.quantity].unit);
   return {std::string(task.text),
-          fmt::format("{} {}, {} s", shown(task.budget), unit, shown(bench.scenario().duration_s)),
-          best.method == nullptr || best.method->name == direct ? "dWorldStep" : "dWorldQuickStep",
           cell_of(best, 1e3 * kept.step_s),
           cell_of(best, kept.ode.erp),
           cell_of(best, kept.ode.cfm),
           also(best),
+          best.method == nullptr || best.method->name == direct ? "dWorldStep" : "dWorldQuickStep",
+          fmt::format("{} {}, {} s", shown(task.budget), unit, shown(bench.scenario().duration_s)),
           cell_of(best, kept.error),
           cell_of(best, best.us_per_s),
           cell_of(all.plain, 1e3 * all.plain.kept.step_s),
@@ -328,7 +328,7 @@ report::Exhibit film(Laboratory& laboratory, double until_s) try {
 Content answer(Laboratory& laboratory, Findings& findings) {
   report::Table table{
       .name = "answer",
-      .columns = {"task", "keeps, until", "stepper", "step, ms", "ERP", "CFM", "also", "error", "µs a simulated second",
+      .columns = {"task", "step, ms", "ERP", "CFM", "also", "stepper", "keeps, until", "error", "µs a simulated second",
                   "ODE's defaults: step, ms", "µs a second", "accurate step: step, ms", "µs a second"}};
   report::Table proofs{.name = "answer-proofs", .columns = {"task", "the run that proves it"}};
   for (const Task& task : tasks) {

@@ -39,7 +39,7 @@ constexpr std::array box{
     Row{"answer", "", 0, known,
         "With ODE's defaults and a step of one millisecond the angles of a mechanism of metre size are off by {{answer_error_1s}} after one second; after {{answer_lost_at}} it is another motion. Its energy is then right to {{answer_energy_drift}}, and tells nothing of it."},
     Row{"answer", "", 0, arm,
-        "To keep a milliradian for two seconds such an arm needs a step of {{answer_arm_step}}, ERP {{answer_arm_erp}} and the start of the table below; with ODE's defaults a step of {{answer_arm_default_step}}."},
+        "To keep a milliradian for two seconds such an arm needs a step of {{answer_arm_step}}, ERP {{answer_arm_erp}} and the half-step start; with ODE's defaults a step of {{answer_arm_default_step}}."},
     Row{"answer", "", 0, contact,
         "An impact comes at most {{potra_late_steps}} steps late. Friction is up to {{C14_anisotropy_percent}} too strong across the axes of its pyramid."},
     Row{"answer", "", 0, same_single,
