@@ -105,8 +105,8 @@ class AccurateStep::World {
         std::copy_n(wrench.torque.data(), 3, torque);
       };
       // ODE writes the force on the body it holds as the first.
-      put(motion_.force_on_a(j), feedback->f1, feedback->t1);
-      if (joint.b != world_body) put(motion_.force_on_b(j), feedback->f2, feedback->t2);
+      put(flight_.mover().force_on_a(j), feedback->f1, feedback->t1);
+      if (joint.b != world_body) put(flight_.mover().force_on_b(j), feedback->f2, feedback->t2);
     }
   }
 

@@ -13,8 +13,6 @@ namespace {
 // An impact is located to this overlap, m: a thousand roundings of positions of a metre, and passed in 1e-12 s at 1
 // m/s.
 constexpr double touch_depth = 1e-12;
-// What rests lies this deep, m: a thousand times deeper than contacts are rounded, so that it is found in every step.
-constexpr double rest_depth = 1e-9;
 // Geoms this near, m, that an impact closes touched when it happened: rows and corners that touch do so to rounding.
 constexpr double touching_distance = 1e-9;
 // m: points of one pair of geoms nearer than this are one contact.
@@ -32,7 +30,9 @@ constexpr double beyond_rounding = 1e-14;  // of a motor's limit or velocity
 constexpr double near_newton = 0.02;       // of the bracket: Newton's method misses by the square of what it moved
 constexpr int most_pushes = 10;
 constexpr double almost = 0.95;
-constexpr int most_splits = 4;  // of a step where something comes to stick
+constexpr int most_splits = 4;   // of a step where something comes to stick
+constexpr double moment = 1e-4;  // of a step, at which what sticks comes to slip
+constexpr int most_finds = 3;    // of footholds in a step: what strikes more often stands nowhere
 
 bool same_geoms(const Contact& one, const Contact& other) { return one.geoms == other.geoms; }
 
@@ -54,8 +54,10 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
   touches_.clear();
   stopped_.clear();
   struck_.clear();
-  all_stopped_ = false;
+  all_stopped_ = slipped_ = false;
   first_ = fresh;
+  step_ = h;
+  if (footholds_) footholds_->motion().prepare(h);
   forces_ = &forces;
   here_ = state;
   try {
@@ -79,11 +81,20 @@ void Flight::fly(double h) {
   int splits = 0;
   double slip = 0, last_part = 0;
   double t = 0;
+  bool just_struck = false;
   for (int impacts = 1;; ++impacts) {
+    if (footholds_ || impacts <= most_finds) find_footholds(t, just_struck);
+    just_struck = false;
     move(t, h - t, there_);
     if (!collider_.works(motion_.mechanism())) break;
     look(there_);
     if (deepest(there_) == nullptr) {
+      double passed = h - t;
+      if (slips(t, passed)) {
+        t += passed;
+        std::swap(here_, there_);
+        continue;
+      }
       const std::vector<Contact> resting = resting_;
       hold(there_, h - t);
       // What slid and sticks is taken to the moment at which it does: first almost, then by how much that slowed it.
@@ -118,16 +129,64 @@ void Flight::fly(double h) {
       resting_ = resting;
       look(there_);
     }
-    const double passed = locate(t, h - t);
+    double passed = locate(t, h - t);
+    const bool slipped = slips(t, passed);
     t += passed;
+    if (slipped) {
+      std::swap(here_, there_);
+      continue;
+    }
     struck += contacts_.size() + here_.size();
     if (struck > crowd) crowded_ = calm_steps;
     impact(t, passed <= 0, impacts >= options_.most_impacts);
+    just_struck = true;
     if (t < h) continue;
     there_ = here_;
     hold(there_, 0);
     break;
   }
+}
+
+/// Holds what rests at `here_` and can stick there.
+void Flight::find_footholds(double after, bool struck) {
+  if (slipped_ || crowded_ > 0) footholds_.reset();
+  if (footholds_ && !footholds_->fit(here_)) footholds_.reset();
+  const auto slides = [this](const Contact& contact) { return contact.friction <= 0; };
+  if (!footholds_) {
+    if (slipped_ || crowded_ > 0 || resting_.empty() || std::ranges::all_of(resting_, slides)) return;
+    look(here_);
+    if (struck) add_to_contacts(struck_);
+    footholds_ = Footholds::of(motion_.mechanism(), options_, contacts_, here_, struck);
+    if (!footholds_) return;
+    footholds_->motion().prepare(step_);
+    // They rest from now on.
+    resting_ = contacts_;
+    std::erase_if(resting_,
+                  [this](const Contact& contact) { return normal_speed(contact, here_) > options_.rest_speed; });
+  } else {
+    contacts_ = resting_;
+  }
+  if (mover().has_motors()) mover().drive(here_, *forces_, after, {});
+  if (!footholds_->bear(here_, *forces_, after, contacts_)) footholds_.reset();
+}
+
+/// Did what is held slip, or lift off, on the way from `here_` to `there_`, with the contacts there at hand? Then
+/// `there_` becomes the last state at which it did not, after less time, and it is held no more in this step.
+bool Flight::slips(double after, double& passed) {
+  if (!footholds_ || footholds_->bear(there_, *forces_, after + passed, contacts_)) return false;
+  double high = passed;
+  passed = 0;
+  // What is wanting at first grows with the time, so that an error of the moment comes in by its square.
+  while (high - passed > moment * step_) {
+    const double middle = (passed + high) / 2;
+    move(after, middle, trial_);
+    look(trial_);
+    (footholds_->bear(trial_, *forces_, after + middle, contacts_) ? passed : high) = middle;
+  }
+  move(after, passed, there_);
+  footholds_.reset();
+  slipped_ = true;
+  return true;
 }
 
 /// From `here_`, which is `after` seconds into the step.
@@ -141,15 +200,16 @@ void Flight::move(double after, double h, State& to) {
 
 /// As far as motors do what they do, then on from where one reaches or leaves its limit of force.
 void Flight::move_by_motors(double after, double h, State& to) {
+  Motion& motion = mover();
   State from = here_;
   std::vector<std::size_t> broken;
   std::vector<double> shares;
   const double end = after + h;
   for (int change = 0;; ++change) {
-    motion_.drive(from, *forces_, after, broken);
+    motion.drive(from, *forces_, after, broken);
     const double longest = end - after;
     go(from, after, longest, to);
-    motion_.beyond(to, *forces_, end, shares);
+    motion.beyond(to, *forces_, end, shares);
     const auto most = [&] { return *std::ranges::max_element(shares); };
     if (most() <= 0 || change == most_changes) return;
     // The first moment at which one is beyond: regula falsi after Illinois.
@@ -159,7 +219,7 @@ void Flight::move_by_motors(double after, double h, State& to) {
           round % 3 == 2 || at_low == -1 ? (low + high) / 2 : low + (high - low) * at_low / (at_low - at_high);
       if (!(guess > low && guess < high)) break;
       go(from, after, guess, to);
-      motion_.beyond(to, *forces_, after + guess, shares);
+      motion.beyond(to, *forces_, after + guess, shares);
       const bool found = std::fabs(most()) < beyond_rounding;
       (found || most() > 0 ? high : low) = guess;
       (found || most() > 0 ? at_high : at_low) = most();
@@ -167,12 +227,12 @@ void Flight::move_by_motors(double after, double h, State& to) {
     }
     if (most() <= -beyond_rounding) {
       go(from, after, high, to);
-      motion_.beyond(to, *forces_, after + high, shares);
+      motion.beyond(to, *forces_, after + high, shares);
     }
     broken.clear();
     for (std::size_t m = 0; m < shares.size(); ++m) {
-      if (shares[m] <= -beyond_rounding || !motion_.holds(m)) continue;
-      motion_.let_slip(m);
+      if (shares[m] <= -beyond_rounding || !motion.holds(m)) continue;
+      motion.let_slip(m);
       broken.push_back(m);
     }
     after += high;
@@ -181,22 +241,23 @@ void Flight::move_by_motors(double after, double h, State& to) {
 }
 
 void Flight::go(State& from, double after, double h, State& to) {
+  Motion& motion = mover();
   forces_->start = after;
-  JointErrors errors = motion_.step(from, *forces_, h, to);
+  JointErrors errors = motion.step(from, *forces_, h, to);
   if (errors.before.size > mendable) {
     settle(from, options_.start_gap);
-    if (motion_.has_motors()) motion_.drive(from, *forces_, after, {});
-    errors = motion_.step(from, *forces_, h, to);
+    if (motion.has_motors()) motion.drive(from, *forces_, after, {});
+    errors = motion.step(from, *forces_, h, to);
   }
   if (!finite(to)) refuse("the motion left the finite numbers; take a smaller step");
   // Equations that repeat others are left out: a closed loop that does not quite close keeps its gap.
-  if (!(errors.after.size <= (motion_.redundant() ? options_.start_gap : mendable))) {
+  if (!(errors.after.size <= (motion.redundant() ? options_.start_gap : mendable))) {
     refuse_apart(errors.after, "at the end of a step of " + shown(h) + " s; take a smaller one");
   }
 }
 
-void Flight::settle(State& state, double most) const {
-  const JointErrors errors = motion_.project(state);
+void Flight::settle(State& state, double most) {
+  const JointErrors errors = mover().project(state);
   for (const JointError& error : {errors.before, errors.after}) {
     if (error.size <= most) continue;
     refuse_apart(error, "at the start of the step; at most " + shown(most) + " are mended");
@@ -204,7 +265,7 @@ void Flight::settle(State& state, double most) const {
 }
 
 void Flight::refuse_apart(const JointError& error, const std::string& when) const {
-  const Joint& joint = motion_.mechanism().joints[error.joint];
+  const Joint& joint = mover().mechanism().joints[error.joint];
   refuse(name(joint) + " is " + shown(error.size) + " m or rad apart " + when, motion_.mechanism().bodies[joint.a].id,
          joint.id);
 }
@@ -227,6 +288,7 @@ const Contact* Flight::nearest_resting(const Contact& contact) const {
 /// normal of that time: what approaches at its end is what the forces did.
 bool Flight::rests(const Contact& contact, const State& at) const {
   if (stopped(contact)) return true;
+  if (held_fast(contact) && !footholds_->stand_on(contact, at)) return false;
   const Contact* const nearest = nearest_resting(contact);
   if (nearest == nullptr) return false;
   Contact then = contact;
@@ -307,17 +369,24 @@ bool Flight::add_closed_by_strike() {
     struck[i].pose.position += ahead * change[i].linear;
     turn_by(ahead * change[i].angular, struck[i].pose.turn);
   }
-  std::vector<Contact> before = contacts_;
+  std::vector<Contact> closed = std::move(contacts_);
   look(struck);
-  std::erase_if(contacts_, [&](const Contact& contact) {
-    return std::ranges::any_of(before, [&](const Contact& other) {
+  std::swap(contacts_, closed);
+  return add_to_contacts(closed);
+}
+
+/// Those that are not among the contacts at hand. Returns true if there are any.
+bool Flight::add_to_contacts(const std::vector<Contact>& more) {
+  const std::size_t before = contacts_.size();
+  for (const Contact& contact : more) {
+    const auto is_it = [&](const Contact& other) {
       return same_geoms(contact, other) && (contact.point - other.point).norm() < same_point;
-    });
-  });
-  const bool more = !contacts_.empty();
-  before.insert(before.end(), contacts_.begin(), contacts_.end());
-  contacts_ = std::move(before);
-  return more;
+    };
+    if (std::ranges::none_of(contacts_.begin(), contacts_.begin() + static_cast<std::ptrdiff_t>(before), is_it)) {
+      contacts_.push_back(contact);
+    }
+  }
+  return contacts_.size() > before;
 }
 
 void Flight::strike(State& state) const {
@@ -407,7 +476,7 @@ void Flight::settle_crowd(State& state, double h) {
     contact.depth = (contact.depth - rest_depth) / 2;
   }
   const State before = state;
-  if (!(impact.push_out(0, state, by).size <= mendable)) state = before;
+  if (!(impact.push_out(0, state, by, bounced ? Eigen::VectorXd() : impulses).size <= mendable)) state = before;
 }
 
 /// Contacts at hand that rested before begin with what they pushed then.
@@ -421,30 +490,33 @@ void Flight::recall() {
 /// At the end of a step, with its contacts at hand: what rests stops and is pushed out of what it rests on. Returns
 /// true if something touches that does not rest.
 bool Flight::hold(State& state, double h) {
+  Motion& motion = mover();
+  std::vector<Contact> fast = contacts_;
+  std::erase_if(fast, [this](const Contact& contact) { return !held_fast(contact); });
   bool touched = false;
   sticks_ = {};
   const auto at_rest = [&] {
     touched = deepest(state) != nullptr;
-    std::erase_if(contacts_, [&](const Contact& contact) { return !rests(contact, state); });
+    std::erase_if(contacts_, [&](const Contact& contact) { return !rests(contact, state) || held_fast(contact); });
   };
   at_rest();
   // The matrix of this pose, for the impulses; motors that hold go on holding while these act, if they can.
-  bool driven = h > 0 && motion_.has_motors();
-  if (!contacts_.empty()) motion_.project(state, driven);
+  bool driven = h > 0 && motion.has_motors();
+  if (!contacts_.empty()) motion.project(state, driven);
   std::vector<Contact> rest = contacts_;
   for (int push = 0; push < most_pushes && !contacts_.empty(); ++push) {
     if (push > 0 && deepest_of(contacts_) <= 2 * rest_depth) break;
     const bool first = push == 0 && h > 0;
     if (first) recall();
-    std::optional<Impact> impact(std::in_place, motion_, contacts_, state);
+    std::optional<Impact> impact(std::in_place, motion, contacts_, state);
     const bool rubs = std::ranges::any_of(contacts_, [](const Contact& contact) { return contact.friction > 0; });
     const State free = state;
     Eigen::VectorXd impulses = impact->stop(state);
     const auto closes = [&](const Contact& contact) { return normal_speed(contact, state) < -options_.rest_speed; };
-    if (driven && (!motion_.bears(h) || std::ranges::any_of(contacts_, closes))) {
+    if (driven && (!motion.bears(h) || std::ranges::any_of(contacts_, closes))) {
       state = free;
-      motion_.project(state);
-      impact.emplace(motion_, contacts_, state);
+      motion.project(state);
+      impact.emplace(motion, contacts_, state);
       impulses = impact->stop(state);
     }
     driven = false;
@@ -455,7 +527,8 @@ bool Flight::hold(State& state, double h) {
       by = follow(free, state, h);
     }
     const State before = state;
-    if (!(impact->push_out(rest_depth, state, by).size <= mendable)) {  // between jaws of joints
+    if (!(impact->push_out(rest_depth, state, by, rubs && first ? impulses : Eigen::VectorXd()).size <=
+          mendable)) {  // between jaws of joints
       state = before;
       break;
     }
@@ -471,6 +544,7 @@ bool Flight::hold(State& state, double h) {
     }
     crowded_ = calm_steps;  // what comes so near in a run, between jaws of joints, is left to the crowd's scheme
   }
+  rest.insert(rest.end(), fast.begin(), fast.end());
   resting_ = std::move(rest);
   return touched;
 }

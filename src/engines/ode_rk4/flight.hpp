@@ -1,11 +1,13 @@
 #pragma once
 // From one end of a step to the other: free motion, impacts where they fall, and rest at its end.
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "engines/ode_rk4/accurate_step.hpp"
 #include "engines/ode_rk4/collider.hpp"
+#include "engines/ode_rk4/footholds.hpp"
 #include "engines/ode_rk4/motion.hpp"
 
 namespace odeval::engine_rk4 {
@@ -23,18 +25,25 @@ class Flight {
   const std::vector<Touch>& touches() const { return touches_; }
   /// Steps so far that a crowd of contacts ended.
   std::size_t crowded_steps() const { return crowded_steps_; }
+  /// What moved the mechanism last: its joints come first, and it knows what they do.
+  const Motion& mover() const { return footholds_ ? footholds_->motion() : motion_; }
   /// Forgets what rests.
   void start_anew() {
     resting_.clear();
+    footholds_.reset();
     crowded_ = 0;
   }
 
  private:
   void fly(double h);
+  void find_footholds(double after, bool struck);
+  bool slips(double after, double& passed);
+  bool held_fast(const Contact& contact) const { return footholds_ && footholds_->have(contact); }
+  Motion& mover() { return footholds_ ? footholds_->motion() : motion_; }
   void move(double after, double h, State& to);
   void move_by_motors(double after, double h, State& to);
   void go(State& from, double after, double h, State& to);
-  void settle(State& state, double most) const;
+  void settle(State& state, double most);
   [[noreturn]] void refuse_apart(const JointError& error, const std::string& when) const;
   void look(const State& state) { collider_.look(motion_.mechanism(), state, contacts_); }
   bool stopped(const Contact& contact) const;
@@ -46,6 +55,7 @@ class Flight {
   void impact(double t, bool at_once, bool last);
   void strike(State& state) const;
   bool add_closed_by_strike();
+  bool add_to_contacts(const std::vector<Contact>& more);
   void tell(const std::function<void(const Touch&)>& observer, const Touch& touch) const;
   bool hold(State& state, double h);
   std::vector<Twist> follow(const State& free, const State& held, double h);
@@ -62,9 +72,12 @@ class Flight {
   std::vector<Contact> stopped_;   // their geoms do not bounce any more in this step
   std::vector<Contact> struck_;    // at `here_`
   bool all_stopped_ = false;
-  Sticks sticks_;      // in the time held last
-  int crowded_ = 0;    // steps that are left to the crowd's scheme if nothing bounces
-  bool first_ = true;  // step since the mechanism was read
+  std::optional<Footholds> footholds_;  // of what rests and sticks
+  bool slipped_ = false;                // it does so no more in this step
+  double step_ = 0;                     // s, of the user's
+  Sticks sticks_;                       // in the time held last
+  int crowded_ = 0;                     // steps that are left to the crowd's scheme if nothing bounces
+  bool first_ = true;                   // step since the mechanism was read
   std::size_t crowded_steps_ = 0;
   std::vector<Touch> touches_;
 };

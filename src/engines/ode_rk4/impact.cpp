@@ -1,5 +1,6 @@
 #include "engines/ode_rk4/impact.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -14,6 +15,7 @@ std::size_t index(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
 constexpr double rounding = 1e-12;  // of the fastest speed, of the largest impulse
 constexpr double sliding = 1e-7;    // m/s: slower is sticking, within 1e-10 m in a step of a millisecond
+constexpr double same_row = 1e-9;   // of the largest: contacts that say what others say
 constexpr int most_rounds = 100;    // of friction that makes what does not bounce close, and is stopped
 constexpr double held = 1e-12;  // of the change of speed that bodies without joints would have: a thousand roundings
 
@@ -256,12 +258,25 @@ Sticks Impact::sticks_at(const Eigen::VectorXd& impulses, const State& before, c
   return first;
 }
 
-JointError Impact::push_out(double depth, State& state, std::span<const Twist> besides) const {
+JointError Impact::push_out(double depth, State& state, std::span<const Twist> besides,
+                            const Eigen::VectorXd& impulses) const {
   Eigen::VectorXd b(static_cast<Eigen::Index>(contacts_.size()));
   for (std::size_t i = 0; i < contacts_.size(); ++i) b[static_cast<Eigen::Index>(i)] = depth - contacts_[i].depth;
   if (besides.empty() && (b.array() >= 0).all()) return {};
   Eigen::VectorXd p = Eigen::VectorXd::Zero(response_.rows());
   p.head(normals()) = complementary(response_.topLeftCorner(normals(), normals()), b);
+  std::vector<Eigen::Index> pushing;
+  bool hovers = false;
+  for (Eigen::Index i = 0; i < std::min(impulses.size(), b.size()); ++i) {
+    if (impulses[i] <= 0) continue;
+    pushing.push_back(i);
+    hovers = hovers || b[i] > depth;
+  }
+  if (hovers) {
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> down(response_(pushing, pushing).eval());
+    down.setThreshold(same_row);
+    p(pushing) = -down.solve(b(pushing).eval());
+  }
   respond(p);
   for (std::size_t i = 0; i < besides.size(); ++i) {
     change_[i].linear += besides[i].linear;

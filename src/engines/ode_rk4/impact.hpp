@@ -23,6 +23,9 @@ struct Contact {
   Vector3d push = Vector3d::Zero();  // N s, of it the last time it was held: where to begin
 };
 
+// What rests lies this deep, m: a thousand times deeper than contacts are rounded, so that it is found in every step.
+constexpr double rest_depth = 1e-9;
+
 /// Normal speed of a against b at a contact found at `state`, m/s; negative: they approach.
 double normal_speed(const Contact& contact, const State& state);
 /// The same, for velocities of another time.
@@ -53,9 +56,10 @@ class Impact {
   Sticks sticks_at(const Eigen::VectorXd& impulses, const State& before, const State& state) const;
 
   /// Moves the bodies apart, mass-weighted and with joints kept, until no contact is deeper than `depth`, to the first
-  /// order in the way, and by what is given besides. Ends what the Impact can be used for. Returns the joint error that
-  /// is left.
-  JointError push_out(double depth, State& state, std::span<const Twist> besides = {}) const;
+  /// order in the way, and by what is given besides. What pushes and yet would be apart then is moved down to it. Ends
+  /// what the Impact can be used for. Returns the joint error that is left.
+  JointError push_out(double depth, State& state, std::span<const Twist> besides = {},
+                      const Eigen::VectorXd& impulses = {}) const;
 
  private:
   double free_response(const Contact& contact) const;

@@ -13,6 +13,7 @@ namespace {
 std::string name(std::size_t body) { return body == world_body ? "the world" : "body " + std::to_string(body); }
 
 std::string kind(dJointID joint) {
+  if (joint == nullptr) return "contact that sticks";
   switch (dJointGetType(joint)) {
     case dJointTypeBall:
       return "ball joint";
@@ -429,19 +430,21 @@ Mechanism read_mechanism(dWorldID world, dSpaceID space, std::span<dxBody* const
     for (int j = 0; j < dBodyGetNumJoints(body.id); ++j) {
       const dJointID id = dBodyGetJoint(body.id, j);
       if (dJointIsEnabled(id) == 0 || !known.insert(id).second) continue;
-      mechanism.joints.push_back(JointReader(id, mechanism.numbers).read());
+      add(mechanism, JointReader(id, mechanism.numbers).read());
     }
   }
   read_motors(mechanism);
-  for (std::size_t i = 0; i < mechanism.joints.size(); ++i) {
-    const Joint& one = mechanism.joints[i];
-    for (std::size_t j = i + 1; j < mechanism.joints.size(); ++j) {
-      const Joint& other = mechanism.joints[j];
-      const auto shared = [&](std::size_t body) { return body != world_body && (body == other.a || body == other.b); };
-      if (shared(one.a) || shared(one.b)) mechanism.neighbours.emplace_back(i, j);
-    }
-  }
   return mechanism;
+}
+
+void add(Mechanism& mechanism, Joint joint) {
+  const std::size_t number = mechanism.joints.size();
+  for (std::size_t i = 0; i < number; ++i) {
+    const Joint& other = mechanism.joints[i];
+    const auto shared = [&](std::size_t body) { return body != world_body && (body == other.a || body == other.b); };
+    if (shared(joint.a) || shared(joint.b)) mechanism.neighbours.emplace_back(i, number);
+  }
+  mechanism.joints.push_back(std::move(joint));
 }
 
 Parameters parameters_of(dJointID joint) {

@@ -128,7 +128,7 @@ struct Stop {
 };
 
 struct Joint {
-  dJointID id;
+  dJointID id;       // null: what sticks at contacts (footholds.hpp)
   std::size_t a, b;  // b may be world_body
   std::vector<Point> points;
   std::vector<Square> squares;
@@ -176,6 +176,9 @@ inline Matrix3d rotation(const Eigen::Vector4d& turn) {
 /// Reads the given bodies, those of the space's geoms in the order they were made, and what their joints lead to, and
 /// numbers them in this order; those of an earlier reading keep theirs. Throws AccurateStepError.
 Mechanism read_mechanism(dWorldID world, dSpaceID space, std::span<dxBody* const> given, const Mechanism& earlier = {});
+
+/// Adds a joint between bodies of the mechanism.
+void add(Mechanism& mechanism, Joint joint);
 
 /// How ODE tells motors and stops of a kind of joint: by axis, in groups of parameters.
 struct Parameters {

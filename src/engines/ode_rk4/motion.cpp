@@ -76,15 +76,13 @@ Motion::Motion(Mechanism mechanism, int order, bool along_trees)
   inverse_inertias_.resize(bodies);
   acceleration_.resize(bodies);
   correction_.resize(bodies);
-  stage_.resize(bodies);
   stages_.assign(formula_->stages.size(),
                  {State(bodies), std::vector<Eigen::Vector4d>(bodies), std::vector<Twist>(bodies)});
   const JointRows none{Matrix6::Zero(), Matrix6::Zero(), Vector6::Zero(), Vector6::Zero()};
   rows_.assign(joints, none);
-  rows_of_stage_.assign(joints, none);
   weighted_.resize(joints);
   lambda_.resize(joints);
-  stage_lambda_.resize(joints);
+  joint_forces_.resize(joints);
 }
 
 void Motion::turn(const State& state) {
@@ -312,7 +310,6 @@ bool Motion::nearly_there(const MotorPlace& place, const State& state) const {
 }
 
 void Motion::drive(const State& state, Forces& forces, double t, std::span<const std::size_t> broken) {
-  stage_ = state;
   look(state);
   std::vector<char> at_speed(motors_.size(), 0), decided(motors_.size(), 0);
   for (std::size_t m = 0; m < motors_.size(); ++m) {
@@ -405,13 +402,7 @@ JointErrors Motion::step(const State& from, Forces& forces, double h, State& to)
   }
   to.resize(from.size());
   combine(formula_->weights, to);
-  std::swap(stage_, stages_.back().state);
-  if (tree_) {
-    tree_->keep_forces();
-  } else {
-    std::swap(stage_lambda_, lambda_);
-    std::swap(rows_of_stage_, rows_);
-  }
+  tell_forces(stages_.back().state);
   look(to);
   const JointError found = largest_error();
   if (!(found.size < small_correction)) factor();  // or the last stage's matrix, near enough, will do
@@ -514,26 +505,62 @@ void Motion::respond(const std::vector<Wrench>& impulses, std::vector<Twist>& ch
   solve_onto(change);
 }
 
-Wrench Motion::force(const Matrix6& row, std::size_t joint, double sign) const {
-  const Vector6 f = row.transpose() * stage_lambda_[joint];
-  Wrench sum{f.head<3>(), f.tail<3>()};
-  const auto add = [&](const MotorLine& line, bool slides, double size) {
-    const Vector3d force = sign * size * line.axis;
-    if (slides) {
-      sum.force += force;
-      sum.torque += (sign > 0 ? line.on_a : line.on_b).cross(force);
-    } else {
-      sum.torque += force;
-    }
+/// Of a joint's equations, at the last solution.
+Motion::JointForce Motion::reaction(std::size_t joint) const {
+  if (tree_) return {tree_->force(joint, true), tree_->force(joint, false)};
+  const auto of = [&](const Matrix6& row) {
+    const Vector6 f = row.transpose() * lambda_[joint];
+    return Wrench{f.head<3>(), f.tail<3>()};
   };
-  const Joint& of = mechanism_.joints[joint];
-  for (const Motor& motor : of.motors) {
-    if (motor.drive == Drive::pushes) add(line_of(of, motor, stage_, turns_), motor.slides, motor.force);
+  return {of(rows_[joint].of_a), of(rows_[joint].of_b)};
+}
+
+/// At the state of the last `accelerate`.
+void Motion::tell_forces(const State& state) {
+  for (std::size_t j = 0; j < joint_forces_.size(); ++j) {
+    const Joint& joint = mechanism_.joints[j];
+    if (!tells(joint)) continue;
+    JointForce& sum = joint_forces_[j];
+    sum = reaction(j);
+    const auto add = [&](const MotorLine& line, bool slides, double size) {
+      const Vector3d force = size * line.axis;
+      if (slides) {
+        sum.on_a += {force, line.on_a.cross(force)};
+        sum.on_b += {-force, -line.on_b.cross(force)};
+      } else {
+        sum.on_a.torque += force;
+        sum.on_b.torque -= force;
+      }
+    };
+    for (const Motor& motor : joint.motors) {
+      if (motor.drive == Drive::pushes) add(line_of(joint, motor, state, turns_), motor.slides, motor.force);
+    }
+    for (const Spring& spring : joint.springs) {
+      add(line_of(joint, spring, state, turns_), true, pull(joint, spring, state, turns_));
+    }
   }
-  for (const Spring& spring : of.springs) {
-    add(line_of(of, spring, stage_, turns_), true, pull(of, spring, stage_, turns_));
+}
+
+void Motion::find_forces(const State& state, Forces& forces, double t) {
+  feel(state, forces, t);
+  tell_forces(state);
+}
+
+void Motion::add_forces(double time) {
+  for (std::size_t j = 0; j < joint_forces_.size(); ++j) {
+    if (!tells(mechanism_.joints[j])) continue;
+    const auto [on_a, on_b] = reaction(j);
+    joint_forces_[j].on_a += {on_a.force / time, on_a.torque / time};
+    joint_forces_[j].on_b += {on_b.force / time, on_b.torque / time};
   }
-  return sum;
+}
+
+void Motion::add_force(const void* id, const Wrench& on_a, const Wrench& on_b) {
+  for (std::size_t j = 0; j < joint_forces_.size(); ++j) {
+    if (mechanism_.joints[j].id != id) continue;
+    joint_forces_[j].on_a += on_a;
+    joint_forces_[j].on_b += on_b;
+  }
 }
 
 }  // namespace odeval::engine_rk4

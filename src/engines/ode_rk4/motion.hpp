@@ -23,6 +23,12 @@ namespace odeval::engine_rk4 {
 struct Wrench {
   Vector3d force;
   Vector3d torque;
+
+  Wrench& operator+=(const Wrench& other) {
+    force += other.force;
+    torque += other.torque;
+    return *this;
+  }
 };
 
 /// dq/dt at an angular velocity in the world.
@@ -95,14 +101,16 @@ class Motion {
   /// Does a joint's equation repeat what others say? Such ones are left out.
   bool redundant() const { return matrix_.left_out() > 0; }
 
-  /// Of a joint with a feedback structure on its first and on its second body: J' lambda in N and N m about the body's
-  /// centre, as the last stage of the last step had it.
-  Wrench force_on_a(std::size_t joint) const {
-    return tree_ ? tree_->force(joint, true) : force(rows_of_stage_[joint].of_a, joint, 1);
-  }
-  Wrench force_on_b(std::size_t joint) const {
-    return tree_ ? tree_->force(joint, false) : force(rows_of_stage_[joint].of_b, joint, -1);
-  }
+  /// Of a joint with a feedback structure, or that stands for a contact, on its first and on its second body: N, and N
+  /// m about the body's centre. The last stage of a step tells it, and those below.
+  const Wrench& force_on_a(std::size_t joint) const { return joint_forces_[joint].on_a; }
+  const Wrench& force_on_b(std::size_t joint) const { return joint_forces_[joint].on_b; }
+  /// At a state, `t` into the step.
+  void find_forces(const State& state, Forces& forces, double t);
+  /// Impulses of the last `respond`, with which joints answer contacts, stood for forces over a time.
+  void add_forces(double time);
+  /// What a joint's stop does. `id` of the joint.
+  void add_force(const void* id, const Wrench& on_a, const Wrench& on_b);
 
  private:
   /// Of the Runge-Kutta formula.
@@ -117,7 +125,13 @@ class Motion {
     const Motor& of(const Mechanism& mechanism) const { return mechanism.joints[joint].motors[motor]; }
   };
 
-  Wrench force(const Matrix6& row, std::size_t joint, double sign) const;
+  struct JointForce {
+    Wrench on_a, on_b;
+  };
+
+  static bool tells(const Joint& joint) { return joint.id == nullptr || dJointGetFeedback(joint.id) != nullptr; }
+  JointForce reaction(std::size_t joint) const;
+  void tell_forces(const State& state);
   void turn(const State& state);  // rotation matrices, inertias
   void look(const State& state);  // those, and rows; or the tree
   JointError largest_error();     // of the rows
@@ -149,14 +163,12 @@ class Motion {
   std::vector<Matrix3d> turns_;
   std::vector<Matrix3d> inverse_inertias_;  // world frame
   std::vector<JointRows> rows_;
-  std::vector<JointRows> rows_of_stage_;
   std::vector<std::array<Matrix6, 2>> weighted_;  // J M^-1 of a joint's two bodies
   std::vector<Vector6> lambda_;
-  std::vector<Vector6> stage_lambda_;
   std::vector<Twist> acceleration_;
   std::vector<Twist> correction_;
-  State stage_;  // the last one of the last step
   std::vector<Stage> stages_;
+  std::vector<JointForce> joint_forces_;
 };
 
 }  // namespace odeval::engine_rk4

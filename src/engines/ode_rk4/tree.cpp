@@ -73,7 +73,6 @@ class TreeBuilder {
     const std::size_t child = link.is_a ? joint.a : joint.b;
     if (link_of_body_[child] != Tree::none || !joint.motors.empty() || !read_kind(joint, link.kind)) return false;
     link.joint = j;
-    link.id = joint.id;
     link.parent_body = parent;
     link.parent = parent == world_body ? Tree::none : link_of_body_[parent];
     tree_.floats_ = tree_.floats_ || (link.parent != Tree::none && tree_.links_[link.parent].kind == Kind::free);
@@ -117,6 +116,10 @@ class TreeBuilder {
   }
 
   static bool read_kind(const Joint& joint, Kind& kind) {
+    if (joint.id == nullptr) {  // a foothold
+      kind = joint.squares.empty() ? Kind::ball : joint.squares.size() == 2 ? Kind::hinge : Kind::fixed;
+      return true;
+    }
     switch (dJointGetType(joint.id)) {
       case dJointTypeBall:
         kind = Kind::ball;
@@ -542,30 +545,20 @@ void Tree::follow_parents(std::vector<Twist>& twists) {
   }
 }
 
-void Tree::keep_forces() {
-  for (const std::size_t i : link_of_) {
-    if (i == none || dJointGetFeedback(links_[i].id) == nullptr) continue;
-    const Link& link = links_[i];
-    Now& now = now_[i];
-    now.kept_force = now.f + now.h.transpose() * now.turning + now.m * now.moving;
-    // About the origin; of a ball joint there is none, and n is what was left to the ball itself.
-    Vector3d torque = Vector3d::Zero();
-    if (link.kind != Kind::ball) torque = now.n + now.j * now.turning + now.h * now.moving;
-    Vector3d from_parent = now.arm;  // from its centre
-    if (link.kind == Kind::universal) from_parent += now_[link.parent].arm;
-    if (link.parent_body != world_body) {
-      from_parent -= now_[link.kind == Kind::universal ? links_[link.parent].parent : link.parent].centre;
-    }
-    now.kept_torque = torque - now.centre.cross(now.kept_force);
-    now.kept_torque_on_parent = -torque - from_parent.cross(now.kept_force);
-  }
-}
-
 Wrench Tree::force(std::size_t joint, bool on_a) const {
   if (link_of_[joint] == none) return {Vector3d::Zero(), Vector3d::Zero()};
+  const Link& link = links_[link_of_[joint]];
   const Now& now = now_[link_of_[joint]];
-  if (links_[link_of_[joint]].is_a == on_a) return {now.kept_force, now.kept_torque};
-  return {-now.kept_force, now.kept_torque_on_parent};
+  const Vector3d force = now.f + now.h.transpose() * now.turning + now.m * now.moving;
+  // About the origin; of a ball joint there is none, and n is what was left to the ball itself.
+  Vector3d torque = Vector3d::Zero();
+  if (link.kind != Kind::ball) torque = now.n + now.j * now.turning + now.h * now.moving;
+  if (link.is_a == on_a) return {force, torque - now.centre.cross(force)};
+  const Link& first = link.kind == Kind::universal ? links_[link.parent] : link;
+  Vector3d from_parent = now.arm;  // from its centre
+  if (link.kind == Kind::universal) from_parent += now_[link.parent].arm;
+  if (link.parent_body != world_body) from_parent -= now_[first.parent].centre;
+  return {-force, -torque - from_parent.cross(force)};
 }
 
 }  // namespace odeval::engine_rk4

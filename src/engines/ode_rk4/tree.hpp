@@ -73,9 +73,7 @@ class Tree {
   /// Changes of velocities that impulses make.
   void respond(const std::vector<Wrench>& impulses, std::vector<Twist>& changes);
 
-  /// Keeps what joints with a feedback structure do at the last `accelerate`, for `force`.
-  void keep_forces();
-  /// Of a joint on its first body, and torque about its centre; or on its second.
+  /// Of a joint at the last solution, on its first body, and torque about its centre; or on its second.
   Wrench force(std::size_t joint, bool on_a) const;
 
  private:
@@ -91,7 +89,6 @@ class Tree {
     std::size_t parent = none;  // link; none: the world
     std::size_t body = none;    // none: without mass, the first link of a universal joint
     std::size_t joint = none;   // none: free
-    dJointID id = nullptr;
     std::size_t parent_body = world_body;
     bool is_a = false;  // the joint's first body
     // In the body's frame.
@@ -136,7 +133,6 @@ class Tree {
     Offset offset;
     Vector3d turning, moving;
     Offset gap;
-    Vector3d kept_force, kept_torque, kept_torque_on_parent;  // about the bodies' centres
   };
   struct Speeds;
 

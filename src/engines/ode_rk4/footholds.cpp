@@ -1,0 +1,256 @@
+#include "engines/ode_rk4/footholds.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "engines/ode_rk4/friction.hpp"
+
+namespace odeval::engine_rk4 {
+namespace {
+
+using Geoms = std::pair<const void*, const void*>;
+using Group = std::vector<Contact>;
+
+constexpr double still = 1e-7;          // m/s: slower is sticking
+constexpr double too_deep = 1e-7;       // m: it has to be pushed out first
+constexpr double least_depth = 1e-12;   // m: what an impact is located to, a thousand roundings, is still found
+constexpr double astray = 1e-8;         // m, rad: what the user moved, far above what projection leaves
+constexpr double thin = 1e-4;           // of the distance between contacts: nearer than this to a line, they are on it
+constexpr double near_point = 1e-6;     // m: all contacts this near are one
+constexpr std::size_t most_pairs = 16;  // more are a heap, which the time-stepping scheme serves better
+// Of the force: contacts that bear it leave nothing but rounding of their solution. And m/s^2 of the body, where there
+// is none.
+constexpr double borne = 1e-9, no_acceleration = 1e-3;
+
+enum class Shape { flat, plane, round };
+
+Shape shape(const void* geom) {
+  switch (dGeomGetClass(static_cast<dGeomID>(const_cast<void*>(geom)))) {
+    case dPlaneClass:
+      return Shape::plane;
+    case dBoxClass:
+    case dConvexClass:
+    case dTriMeshClass:
+    case dHeightfieldClass:
+      return Shape::flat;
+    default:
+      return Shape::round;
+  }
+}
+
+/// The contact's normal takes the joint's first body away.
+Vector3d normal_from(const Contact& contact, std::size_t a) {
+  return contact.a == a ? contact.normal : -contact.normal;
+}
+
+Vector3d centre_of(const Group& group) {
+  Vector3d sum = Vector3d::Zero();
+  for (const Contact& contact : group) sum += contact.point;
+  return sum / static_cast<double>(group.size());
+}
+
+/// The directions in which the contacts lie, the widest first, and how wide.
+struct Spread {
+  Vector3d along = Vector3d::Zero(), across = Vector3d::Zero();
+  double length = 0, width = 0;
+
+  explicit Spread(const Group& group) {
+    const Vector3d& first = group.front().point;
+    for (const Contact& contact : group) {
+      const Vector3d way = contact.point - first;
+      if (way.norm() > length) along = way, length = way.norm();
+    }
+    if (length > 0) along /= length;
+    for (const Contact& contact : group) {
+      const Vector3d way = contact.point - first, off = way - along.dot(way) * along;
+      if (off.norm() > width) across = off, width = off.norm();
+    }
+    if (width > 0) across /= width;
+  }
+};
+
+Vector3d in_frame(const State& state, std::size_t body, const Vector3d& direction) {
+  return body == world_body ? direction : Vector3d(rotation(state[body].pose.turn).transpose() * direction);
+}
+Vector3d in_frame_point(const State& state, std::size_t body, const Vector3d& point) {
+  return body == world_body ? point : in_frame(state, body, point - state[body].pose.position);
+}
+
+/// That holds the contacts of one pair of geoms as they are, as deep as what rests; nothing for what may roll.
+std::optional<Joint> joint_of(const Mechanism& mechanism, const Group& group, const State& state) {
+  const Contact& first = group.front();
+  const auto moves = [&](std::size_t body) { return body != world_body && mechanism.bodies[body].inverse_mass > 0; };
+  const std::size_t a = moves(first.a) ? first.a : first.b, b = a == first.a ? first.b : first.a;
+  const Spread spread(group);
+  const Shape one = shape(first.geoms.first), other = shape(first.geoms.second);
+  const bool corner = spread.length < near_point;
+  if (one == Shape::round || other == Shape::round) return std::nullopt;
+  if (corner && one != Shape::plane && other != Shape::plane) return std::nullopt;  // perhaps two edges that cross
+  Joint joint{nullptr, a, b, {}, {}, {}, {}, {}, {}, {}};
+  double depth = 0;
+  for (const Contact& contact : group) depth += contact.depth / static_cast<double>(group.size());
+  const double wanted = std::clamp(depth, least_depth, rest_depth);
+  const Vector3d at = centre_of(group), deeper = at - (wanted - depth) * normal_from(first, a);
+  joint.points.push_back({in_frame_point(state, a, at), in_frame_point(state, b, deeper)});
+  const auto square = [&](const Vector3d& p, const Vector3d& n) {
+    joint.squares.push_back({in_frame(state, a, p), in_frame(state, b, n)});
+  };
+  if (corner) return joint;
+  if (spread.width < thin * spread.length) {
+    const Vector3d p = spread.along.unitOrthogonal();
+    square(p, spread.along);
+    square(spread.along.cross(p), spread.along);
+  } else {
+    const Matrix3d e = Matrix3d::Identity();
+    for (Eigen::Index k = 0; k < 3; ++k) square(e.col(k), e.col((k + 1) % 3));
+  }
+  return joint;
+}
+
+bool is_face(const Joint& joint) { return joint.squares.size() == 3; }
+
+/// Bodies that joints and contacts connect.
+class Islands {
+ public:
+  Islands(const Mechanism& mechanism, std::span<const Contact> contacts)
+      : mechanism_(mechanism), up_(mechanism.bodies.size()) {
+    std::iota(up_.begin(), up_.end(), std::size_t{0});
+    for (const Joint& joint : mechanism.joints) join(joint.a, joint.b);
+    for (const Contact& contact : contacts) join(contact.a, contact.b);
+  }
+  std::size_t of(const Contact& contact) { return top(moves(contact.a) ? contact.a : contact.b); }
+
+ private:
+  bool moves(std::size_t body) const { return body != world_body && mechanism_.bodies[body].inverse_mass > 0; }
+  std::size_t top(std::size_t body) {
+    while (up_[body] != body) body = up_[body] = up_[up_[body]];
+    return body;
+  }
+  void join(std::size_t a, std::size_t b) {
+    if (moves(a) && moves(b)) up_[top(a)] = top(b);
+  }
+
+  const Mechanism& mechanism_;
+  std::vector<std::size_t> up_;
+};
+
+bool sticks(const Mechanism& mechanism, const Contact& contact, const State& state) {
+  const auto sleeps = [&](std::size_t body) { return body != world_body && mechanism.bodies[body].asleep; };
+  return contact.friction > 0 && contact.depth < too_deep && !sleeps(contact.a) && !sleeps(contact.b) &&
+         slip(contact, state, state).norm() < still;
+}
+
+}  // namespace
+
+std::optional<Footholds> Footholds::of(const Mechanism& mechanism, const AccurateStepOptions& options,
+                                       std::span<const Contact> contacts, const State& state, bool struck) {
+  std::vector<Contact> resting;
+  std::ranges::copy_if(contacts, std::back_inserter(resting),
+                       [&](const Contact& contact) { return normal_speed(contact, state) <= options.rest_speed; });
+  Islands islands(mechanism, resting);
+  std::map<Geoms, std::size_t> numbers;  // pairs keep the order in which they are met: that of addresses may change
+  std::vector<Group> groups;
+  std::set<std::size_t> loose;  // islands
+  for (const Contact& contact : resting) {
+    const auto [at, is_new] = numbers.emplace(contact.geoms, groups.size());
+    if (is_new) groups.emplace_back();
+    groups[at->second].push_back(contact);
+    const bool comes = normal_speed(contact, state) < -options.rest_speed;
+    if (comes || !sticks(mechanism, contact, state)) loose.insert(islands.of(contact));
+  }
+  std::vector<std::optional<Joint>> joints;
+  for (const Group& group : groups) {
+    const bool free = !loose.contains(islands.of(group.front()));
+    joints.push_back(free ? joint_of(mechanism, group, state) : std::nullopt);
+    if (joints.back() && struck && is_face(*joints.back())) joints.back().reset();
+    if (!joints.back()) loose.insert(islands.of(group.front()));
+  }
+  Mechanism held = mechanism;
+  std::vector<Foothold> footholds;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    if (loose.contains(islands.of(groups[i].front()))) continue;
+    footholds.push_back({groups[i].front().geoms, held.joints.size()});
+    add(held, *joints[i]);
+  }
+  if (footholds.empty() || footholds.size() > most_pairs) return std::nullopt;
+  return Footholds(std::move(held), options.order, std::move(footholds));
+}
+
+bool Footholds::have(const Contact& contact) const {
+  return std::ranges::any_of(footholds_, [&](const Foothold& foothold) { return foothold.geoms == contact.geoms; });
+}
+
+bool Footholds::stand_on(const Contact& contact, const State& state) const {
+  return std::ranges::any_of(footholds_, [&](const Foothold& foothold) {
+    if (foothold.geoms != contact.geoms) return false;
+    const Joint& joint = motion_.mechanism().joints[foothold.joint];
+    if (is_face(joint)) return true;
+    Vector3d off = in_frame_point(state, joint.a, contact.point) - joint.points.front().on_a;
+    if (!joint.squares.empty()) {
+      const Vector3d edge = joint.squares[0].p.cross(joint.squares[1].p);
+      off -= edge.dot(off) * edge;
+    }
+    return off.norm() < near_point;
+  });
+}
+
+bool Footholds::fit(const State& state) const {
+  std::vector<Matrix3d> turns(state.size());
+  return std::ranges::all_of(footholds_, [&](const Foothold& foothold) {
+    const Joint& joint = motion_.mechanism().joints[foothold.joint];
+    JointRows rows{Matrix6::Zero(), Matrix6::Zero(), Vector6::Zero(), Vector6::Zero()};
+    turns[joint.a] = rotation(state[joint.a].pose.turn);
+    if (joint.b != world_body) turns[joint.b] = rotation(state[joint.b].pose.turn);
+    constrain(joint, state, turns, rows);
+    const auto of = [&](const Matrix6& row, std::size_t body) -> Vector6 {
+      if (body == world_body) return Vector6::Zero();
+      return row * (Vector6() << state[body].twist.linear, state[body].twist.angular).finished();
+    };
+    const Vector6 speeds = of(rows.of_a, joint.a) + of(rows.of_b, joint.b);
+    return rows.error.cwiseAbs().maxCoeff() < astray && speeds.cwiseAbs().maxCoeff() < still;
+  });
+}
+
+bool Footholds::bear(const State& state, Forces& forces, double t, std::span<const Contact> contacts) {
+  motion_.find_forces(state, forces, t);
+  if (motion_.redundant()) return false;  // what each of them does is not known
+  return std::ranges::all_of(footholds_, [&](const Foothold& foothold) {
+    Group group;
+    std::ranges::copy_if(contacts, std::back_inserter(group),
+                         [&](const Contact& contact) { return contact.geoms == foothold.geoms; });
+    const auto pressed_in = [](const Contact& contact) { return contact.depth >= too_deep; };
+    if (group.empty() || std::ranges::any_of(group, pressed_in)) return false;
+    const std::size_t a = motion_.mechanism().joints[foothold.joint].a;
+    // The forces that leave a body of unit mass, as wide as the contacts, at rest.
+    const Vector3d centre = centre_of(group);
+    const double width = std::max(Spread(group).length, near_point);
+    const auto count = static_cast<Eigen::Index>(group.size());
+    Eigen::MatrixXd g(6, 3 * count);
+    Rubbing rubbing;
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const Contact& contact = group[static_cast<std::size_t>(i)];
+      const Vector3d n = normal_from(contact, a), across = n.unitOrthogonal(), arm = contact.point - centre;
+      const auto column = [&](const Vector3d& way) {
+        return (Eigen::Matrix<double, 6, 1>() << way, arm.cross(way) / width).finished();
+      };
+      g.col(i) = column(n);
+      g.col(count + 2 * i) = column(across);
+      g.col(count + 2 * i + 1) = column(n.cross(across));
+      rubbing.contact.push_back(i);
+      rubbing.coefficient.push_back(contact.friction);
+    }
+    const Wrench& needed = motion_.force_on_a(foothold.joint);
+    Eigen::Matrix<double, 6, 1> w;
+    w << needed.force, (needed.torque - (centre - state[a].pose.position).cross(needed.force)) / width;
+    const Eigen::VectorXd v = -g.transpose() * w;
+    const Eigen::MatrixXd response = g.transpose() * g;
+    const Eigen::VectorXd left = v + response * hold(response, v, rubbing, Eigen::VectorXd::Zero(v.size()));
+    const double no_force = no_acceleration / motion_.mechanism().bodies[a].inverse_mass;
+    return left.cwiseAbs().maxCoeff() <= borne * (w.cwiseAbs().maxCoeff() + no_force);
+  });
+}
+
+}  // namespace odeval::engine_rk4
