@@ -12,6 +12,7 @@
 
 #include "audit/extrapolation.hpp"
 #include "audit/recording.hpp"
+#include "audit/thinned.hpp"
 
 namespace odeval::audit {
 namespace {
@@ -169,11 +170,18 @@ class Judge {
     take_moved(own);
     chaos_.steps = own.frame.step * static_cast<std::uint64_t>(records_.refinements.back());
     answer_.until_s = std::max(answer_.until_s, own.frame.t);
+    add_to_curve(own.frame.t);
     const double error = larger_of(distance(all_.distance));
     const double turned = larger_of(turn(all_.turn));
     if (path_.empty() || error > 1.01 * path_.back().distance || turned > 1.01 * path_.back().turn) {
       path_.push_back({own.frame.t, error, turned});
     }
+  }
+
+  void add_to_curve(double t) {
+    ErrorPoint point{t, {}, distance(all_.distance).uncertainty};
+    for (std::size_t run = 0; run < runs_.size(); ++run) point.distance_m.push_back(distance(all_.distance, run).value);
+    curve_.add(point);
   }
 
   void take_body(std::size_t i) {
@@ -262,6 +270,7 @@ class Judge {
       largest = size;
       row.body = its.body;
     }
+    for (std::size_t run = 0; run < runs_.size(); ++run) row.of_runs_m.push_back(distance(all_.distance, run).value);
     answer_.error_at.push_back(row);
     std::vector<Estimate> of_runs;
     for (std::size_t run = 0; run < runs_.size() + others_.size(); ++run)
@@ -277,6 +286,7 @@ class Judge {
     find_loss();
     if (records_.moved && moved_) answer_.growth = chaos_.growth();
     answer_.energy.error_J = energy_.error(0);
+    answer_.error_over_time = curve_.points();
     find_steps();
     take_tried();
   }
@@ -381,11 +391,29 @@ class Judge {
   Spread energy_;
   Chaos chaos_;
   double most_turned_ = 0;
-  bool touched_ = false;                          // bodies, so far
+  bool touched_ = false;  // bodies, so far
+  Thinned<ErrorPoint> curve_;
   std::vector<PathPoint> path_;                   // of the error, each time it has grown by a hundredth
   std::vector<std::vector<Estimate>> distances_;  // of the runs, at each time of the report
   int next_report_ = first_report;
 };
+
+Work work_of(const Frame&) { return {}; }
+
+/// Of all worlds, at the time of the frame, and its gap.
+EnergyPoint sum_of(const std::map<std::uint32_t, EnergyPoint>& worlds, const Frame& frame) {
+  EnergyPoint sum{.t_s = frame.t, .gap_m = frame.gap, .depth_m = frame.depth};
+  for (const auto& [number, world] : worlds) {
+    sum.kinetic_J += world.kinetic_J;
+    sum.potential_J += world.potential_J;
+    sum.work.added += world.work.added;
+    sum.work.motors += world.work.motors;
+    sum.work.joints += world.work.joints;
+    sum.work.contacts += world.work.contacts;
+    sum.work.damping += world.work.damping;
+  }
+  return sum;
+}
 
 void read_names(const std::string& file, Answer& answer) {
   std::ifstream in(file);
@@ -423,15 +451,18 @@ void describe(const std::filesystem::path& unchanged, Answer& answer) {
   }
   bool quick = false;
   bool plain = false;
-  std::map<std::uint32_t, double> energies;  // of worlds
+  std::map<std::uint32_t, EnergyPoint> worlds;  // as they were last
+  Thinned<EnergyPoint> curve;
   for (auto moment = run.next(); moment; moment = run.next()) {
     const Frame& frame = moment->frame;
-    const double energy = frame.kinetic + frame.potential;
-    energies[frame.world] = energy;
+    EnergyPoint& world = worlds[frame.world];
+    world = {frame.t, frame.kinetic, frame.potential, work_of(frame), frame.gap, frame.depth};
+    curve.add(sum_of(worlds, frame));
     if (frame.step == 0) {
-      answer.energy.begin_J += energy;
+      answer.energy.begin_J += world.kinetic_J + world.potential_J;
       continue;
     }
+    if (answer.messages > 0 && answer.first_message_t_s == 0 && frame.messages > 0) answer.first_message_t_s = frame.t;
     if (answer.h_s == 0) answer.h_s = frame.h;
     answer.h_varies = answer.h_varies || frame.h != answer.h_s;
     (frame.quick != 0 ? quick : plain) = true;
@@ -442,7 +473,10 @@ void describe(const std::filesystem::path& unchanged, Answer& answer) {
     answer.ode_s += frame.ode_s;
     if (frame.gap > answer.gap.largest_m) answer.gap = {frame.gap, frame.t, frame.gap_joint + 1};
   }
-  for (const auto& [world, energy] : energies) answer.energy.end_J += energy;
+  const EnergyPoint end = sum_of(worlds, {});
+  answer.energy.end_J = end.kinetic_J + end.potential_J;
+  answer.work = end.work;
+  answer.energy_over_time = curve.points();
   answer.stepper = quick && plain ? "dWorldStep and dWorldQuickStep" : quick ? "dWorldQuickStep" : "dWorldStep";
 }
 
@@ -450,8 +484,8 @@ void each_step(const std::filesystem::path& record, const std::function<void(con
   Recording run(record);
   for (auto moment = run.next(); moment; moment = run.next()) {
     const Frame& frame = moment->frame;
-    take({frame.world + 1, frame.t, frame.kinetic, frame.potential, frame.gap, frame.contacts, frame.depth,
-          frame.messages});
+    take({frame.world + 1, frame.t, frame.kinetic, frame.potential, work_of(frame), frame.gap, frame.contacts,
+          frame.depth, frame.messages});
   }
 }
 

@@ -15,6 +15,7 @@
 #include "audit/library.hpp"
 #include "audit/preload/environment.hpp"
 #include "audit/recording.hpp"
+#include "catalogue/versions.hpp"
 #include "cli/commands.hpp"
 #include "cli/flags.hpp"
 #include "cli/progress.hpp"
@@ -22,6 +23,7 @@
 #include "odeval/error.hpp"
 #include "output/audit_answer.hpp"
 #include "output/number.hpp"
+#include "report/audit_page.hpp"
 #include "run/pool.hpp"
 #include "run/program.hpp"
 
@@ -105,6 +107,10 @@ class Audit {
     audit::each_step(scratch_.record(0), [&](const audit::StepRow& row) { steps.add(row); });
     steps.finish();
     write_whole(folder / "answer.json", audit_json(answer));
+    const report::Page page = report::audit_page(
+        answer, {.pictures = {}, .command = "odeval audit -- " + answer.program, .environment = catalogue::versions()});
+    write_whole(folder / "index.html", page.html);
+    for (const std::string& why : page.missing) std::cerr << "odeval: the page lacks " << why << '\n';
   }
 
  private:
@@ -352,7 +358,7 @@ int audit_program(const Options& options) {
   if (options.json) {
     std::cout << audit_json(answer);
   } else if (!options.quiet) {
-    std::cout << audit_text(answer) << "\nwrote " << (fs::path(options.out) / "audit").string() << "/\n";
+    std::cout << audit_text(answer) << "\nwrote " << (fs::path(options.out) / "audit" / "index.html").string() << "\n";
   }
   return answer.reason.empty() ? 0 : 1;
 }

@@ -29,14 +29,18 @@ std::string count(std::uint64_t number, const char* one, const char* many) {
   return fmt::format("{} {}", number, number == 1 ? one : many);
 }
 
-/// "body 2", or "body 2 (left foot)".
 std::string called(const char* kind, std::uint32_t number, const std::map<std::uint32_t, std::string>& names) {
   const auto name = names.find(number);
   return name == names.end() ? fmt::format("{} {}", kind, number)
                              : fmt::format("{} {} ({})", kind, number, name->second);
 }
 
-std::string head_line(const Answer& answer) {
+}  // namespace
+
+std::string body_name(const Answer& answer, std::uint32_t body) { return called("body", body, answer.body_names); }
+std::string joint_name(const Answer& answer, std::uint32_t joint) { return called("joint", joint, answer.joint_names); }
+
+std::string audit_head(const Answer& answer) {
   const audit::ProgramRun& run = answer.runs.front();
   std::string line =
       fmt::format("{}, h = {:.4g} s{}, {}, {:.4g} s; {}, {}; {}", answer.stepper, answer.h_s,
@@ -46,7 +50,7 @@ std::string head_line(const Answer& answer) {
   return line;
 }
 
-const char* word(Convergence convergence) {
+const char* convergence_word(Convergence convergence) {
   switch (convergence) {
     case Convergence::settled:
       return "settled";
@@ -57,6 +61,8 @@ const char* word(Convergence convergence) {
   }
   return "none";
 }
+
+namespace {
 
 std::string error_cell(const Estimate& error) {
   if (error.convergence == Convergence::none) return "no limit";
@@ -69,8 +75,8 @@ std::string errors_table(const Answer& answer) {
   for (std::size_t i = first; i < answer.error_at.size(); ++i) {
     const ErrorUntil& row = answer.error_at[i];
     table.add({fmt::format("{:.4g}", row.t_s), error_cell(row.distance_m), error_cell(row.turn_rad),
-               row.order ? fmt::format("{:.2f}", *row.order) : "-", word(row.convergence()),
-               called("body", row.body, answer.body_names)});
+               row.order ? fmt::format("{:.2f}", *row.order) : "-", convergence_word(row.convergence()),
+               body_name(answer, row.body)});
   }
   return table.text();
 }
@@ -134,11 +140,14 @@ std::string softness_line(const Answer& answer) {
   return fmt::format("counts: with ERP and CFM held as numbers a smaller step leads {:.2g} m elsewhere", more);
 }
 
-std::string answer_lines(const Answer& answer) {
-  std::string text;
-  const auto line = [&text](const char* name, const std::string& what) {
-    if (!what.empty()) text += fmt::format("{:<9}  {}\n", name, what);
+}  // namespace
+
+AuditLines audit_lines(const Answer& answer) {
+  AuditLines lines;
+  const auto line = [&lines](const char* name, std::string what) {
+    if (!what.empty()) lines.emplace_back(name, std::move(what));
   };
+  if (!answer.reason.empty()) return lines;
   const int finest = std::ranges::max_element(answer.runs, {}, &audit::ProgramRun::refinement)->refinement;
   line("error", fmt::format("largest distance of a body from where it would be at a step of 0 (steps to h/{}, {} held)",
                             finest, answer.springs_held ? "springs" : "numbers"));
@@ -156,24 +165,26 @@ std::string answer_lines(const Answer& answer) {
                              answer.energy.end_J, error_cell(answer.energy.error_J)));
   if (answer.gap.joint > 0) {
     line("joints", fmt::format("{} is the worst: {:.3g} m apart at {:.3g} s",
-                               called("joint", static_cast<std::uint32_t>(answer.gap.joint), answer.joint_names),
-                               answer.gap.largest_m, answer.gap.t_s));
+                               joint_name(answer, static_cast<std::uint32_t>(answer.gap.joint)), answer.gap.largest_m,
+                               answer.gap.t_s));
   }
   if (answer.contacts > 0) {
     line("contacts", fmt::format("{} at a time, {:.3g} m deep at most", answer.contacts, answer.depth_m));
   }
-  return text;
+  return lines;
 }
+
+namespace {
 
 Json json_of(const Estimate& error) {
   return {{"value", json_number(error.value)},
           {"uncertainty", json_number(error.uncertainty)},
-          {"convergence", word(error.convergence)}};
+          {"convergence", convergence_word(error.convergence)}};
 }
 void add_turn(Json& row, const Estimate& turn) {
   row["turn"] = json_number(turn.value);
   row["turn_uncertainty"] = json_number(turn.uncertainty);
-  row["turn_convergence"] = word(turn.convergence);
+  row["turn_convergence"] = convergence_word(turn.convergence);
 }
 Json json_of(const std::optional<double>& number) { return number ? json_number(*number) : Json(); }
 
@@ -251,15 +262,15 @@ Json runs_json(const Answer& answer) {
 
 std::string audit_text(const Answer& answer) {
   std::string text = answer.program + "\n";
-  if (answer.bodies > 0) text += head_line(answer) + "\n";
+  if (answer.bodies > 0) text += audit_head(answer) + "\n";
   if (answer.parting) {
     const audit::Parting& parting = *answer.parting;
-    text += fmt::format(
-        "two unchanged runs part at step {}, t = {:.4g} s{}\n", parting.step, parting.t_s,
-        parting.body > 0 ? ", with " + called("body", parting.body, answer.body_names) : ", in what bodies there are");
+    text += fmt::format("two unchanged runs part at step {}, t = {:.4g} s{}\n", parting.step, parting.t_s,
+                        parting.body > 0 ? ", with " + body_name(answer, parting.body) : ", in what bodies there are");
   }
   if (!answer.reason.empty()) text += "no error can be told: " + answer.reason + "\n";
-  if (answer.reason.empty()) text += "\n" + errors_table(answer) + "\n" + answer_lines(answer);
+  if (answer.reason.empty()) text += "\n" + errors_table(answer) + "\n";
+  for (const auto& [name, what] : audit_lines(answer)) text += fmt::format("{:<9}  {}\n", name, what);
   if (answer.messages > 0) {
     text += fmt::format("{:<9}  {}, the first: {}\n", "ODE says", count(answer.messages, "message", "messages"),
                         answer.first_message);
@@ -296,7 +307,7 @@ std::string audit_json(const Answer& answer) {
   }
   const ErrorUntil* last = answer.error_at.empty() ? nullptr : &answer.error_at.back();
   json["order"] = last != nullptr ? json_of(last->order) : Json();
-  json["convergence"] = last != nullptr ? Json(word(last->convergence())) : Json();
+  json["convergence"] = last != nullptr ? Json(convergence_word(last->convergence())) : Json();
   json["until"] = json_number(answer.until_s);
   json["lost_at"] = json_of(answer.lost_at_s);
   json["growth"] = json_of(answer.growth);
@@ -326,13 +337,20 @@ std::string audit_json(const Answer& answer) {
 }
 
 AuditSteps::AuditSteps(const std::filesystem::path& file) : file_(file) {
-  file_.write("world,t,kinetic,potential,energy,gap,contacts,depth,messages\n");
+  file_.write(
+      "world,t,kinetic,potential,energy,work_added,work_motors,work_joints,work_contacts,work_damping,gap,contacts,"
+      "depth,"
+      "messages\n");
 }
 
 void AuditSteps::add(const audit::StepRow& row) {
-  file_.write(fmt::format("{},{},{},{},{},{},{},{},{}\n", row.world, number_text(row.t_s), number_text(row.kinetic_J),
-                          number_text(row.potential_J), number_text(row.kinetic_J + row.potential_J),
-                          number_text(row.gap_m), row.contacts, number_text(row.depth_m), row.messages));
+  const audit::Work& work = row.work;
+  std::string line = std::to_string(row.world);
+  for (const double value : {row.t_s, row.kinetic_J, row.potential_J, row.kinetic_J + row.potential_J, work.added,
+                             work.motors, work.joints, work.contacts, work.damping, row.gap_m}) {
+    line += ',' + number_text(value);
+  }
+  file_.write(fmt::format("{},{},{},{}\n", line, row.contacts, number_text(row.depth_m), row.messages));
 }
 
 }  // namespace odeval
