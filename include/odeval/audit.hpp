@@ -131,9 +131,9 @@ struct JointSummary {
   double motor_work_J = 0;     // of its motors and stops alone
   std::uint64_t at_limit = 0;  // steps in which a motor's force was what it may be at most
   std::uint64_t at_stop = 0;   // steps that ended at a stop or beyond
-  double friction_share = 0;   // the largest of what friction may be; 1: it slides
-  std::uint64_t sliding = 0;   // contacts that did
-  std::uint64_t contacts = 0;  // with friction
+  double friction_share = 0;   // the largest of what friction may be, of all contacts between the two in a step
+  std::uint64_t sliding = 0;   // steps with all of it
+  std::uint64_t rough = 0;     // steps with a limit to friction
 };
 
 /// Errors of the refined runs until a time.
@@ -198,6 +198,8 @@ struct Answer {
   double motion_m = 0;                   // how far a body went from its start
   std::optional<double> lost_at_s;       // where the error is more than a tenth of the largest way, or turn, of a body
   std::optional<double> growth;          // of a distance of starts, at the end
+  double worst_t_s = 0;                  // when the error grew last until the time of steps_for
+  std::size_t limit_degree = 0;          // of the polynomial in the step that the limit is from, until then
   double steps_for_t_s = 0;              // the time that they keep it until
   std::vector<StepFor> steps_for;
   std::vector<Tried> tried;

@@ -36,20 +36,11 @@ bool same_bodies(const Moment& a, const Moment& b) {
 
 double away(const double* a, const double* b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
 
-/// The quaternion of the two that mean the attitude, that is nearer to `to`.
-std::array<double, 4> near(const double* quaternion, const double* to) {
-  double product = 0;
-  for (int i = 0; i < 4; ++i) product += quaternion[i] * to[i];
-  std::array<double, 4> nearer{};
-  for (int i = 0; i < 4; ++i) nearer[i] = product < 0 ? -quaternion[i] : quaternion[i];
-  return nearer;
-}
-
 /// Between attitudes, rad.
 double turn(const double* a, const double* b) {
-  const std::array<double, 4> nearer = near(a, b);
+  const std::array<double, 4> near = nearer(a, b);
   double square = 0;
-  for (int i = 0; i < 4; ++i) square += (nearer[i] - b[i]) * (nearer[i] - b[i]);
+  for (int i = 0; i < 4; ++i) square += (near[i] - b[i]) * (near[i] - b[i]);
   return 4 * std::asin(std::min(1.0, std::sqrt(square) / 2));
 }
 
@@ -198,12 +189,12 @@ class Judge {
     its.distance.add(values_.data(), 3, 1);
     values_.clear();
     for (const Moment& moment : moments_) {
-      const std::array<double, 4> quaternion = near(moment.bodies[i].quaternion, own.quaternion);
+      const std::array<double, 4> quaternion = nearer(moment.bodies[i].quaternion, own.quaternion);
       values_.insert(values_.end(), quaternion.begin(), quaternion.end());
     }
     for (const auto& moment : of_others_) {
       const std::array<double, 4> quaternion =
-          near(moment ? moment->bodies[i].quaternion : own.quaternion, own.quaternion);
+          nearer(moment ? moment->bodies[i].quaternion : own.quaternion, own.quaternion);
       for (const double part : quaternion) values_.push_back(moment ? part : NAN);
     }
     its.turn.add(values_.data(), 4, 2);  // a small turn is twice the distance of quaternions
@@ -276,6 +267,7 @@ class Judge {
     for (std::size_t run = 0; run < runs_.size() + others_.size(); ++run)
       of_runs.push_back(distance(all_.distance, run));
     distances_.push_back(std::move(of_runs));
+    degrees_.push_back(all_.distance.best_degree());
   }
 
   void sum_up() {
@@ -308,6 +300,7 @@ class Judge {
     while (answer_.error_at.size() > 1 && answer_.error_at.front().t_s < first * (1 - rounding_of_time)) {
       answer_.error_at.erase(answer_.error_at.begin());
       distances_.erase(distances_.begin());
+      degrees_.erase(degrees_.begin());
     }
     std::erase_if(answer_.error_of_body, [&](const BodyError& row) { return row.t_s < answer_.error_at.front().t_s; });
   }
@@ -318,13 +311,17 @@ class Judge {
     while (last > 0 && answer_.lost_at_s && answer_.error_at[last].t_s > *answer_.lost_at_s) --last;
     answer_.tried_at = last;
     answer_.steps_for_t_s = answer_.error_at[last].t_s;
+    answer_.limit_degree = degrees_[last];
+    for (const PathPoint& point : path_) {
+      if (point.t <= answer_.steps_for_t_s * (1 + rounding_of_time)) answer_.worst_t_s = point.t;
+    }
     for (const double wanted : {1e-3, 1e-2, 1e-1}) answer_.steps_for.push_back({wanted, step_for(last, wanted)});
   }
 
   void take_tried() {
     const std::size_t runs = runs_.size();
     for (std::size_t i = 0; i < records_.tried.size(); ++i) {
-      Tried tried{records_.tried_sets[i], {}, cost_of(records_.tried[i]) / cost_of(records_.refined.front())};
+      Tried tried{records_.tried_sets[i], {}, cost_of(records_.tried[i]) / cost_of(records_.unchanged_again)};
       for (const auto& distances : distances_) tried.distance_m.push_back(distances[runs + i]);
       answer_.tried.push_back(std::move(tried));
     }
@@ -395,10 +392,51 @@ class Judge {
   Thinned<ErrorPoint> curve_;
   std::vector<PathPoint> path_;                   // of the error, each time it has grown by a hundredth
   std::vector<std::vector<Estimate>> distances_;  // of the runs, at each time of the report
+  std::vector<std::size_t> degrees_;              // of the limit, likewise
   int next_report_ = first_report;
 };
 
-Work work_of(const Frame&) { return {}; }
+Work work_of(const Frame& frame) {
+  return {frame.work_added, frame.work_motors, frame.work_joints, frame.work_contacts, frame.work_damping};
+}
+
+/// Of ODE's kinds of joints, in their order.
+const char* joint_kind(std::uint32_t type) {
+  constexpr std::array kinds{"none",   "ball",  "hinge",  "slider",      "contact",      "universal",
+                             "hinge2", "fixed", "null",   "amotor",      "lmotor",       "plane2d",
+                             "pr",     "pu",    "piston", "double ball", "double hinge", "transmission"};
+  return type < kinds.size() ? kinds[type] : "joint";
+}
+constexpr std::uint32_t contact_type = 4;
+
+JointSummary summary_of(const PartSample& part) {
+  return {.kind = joint_kind(part.type),
+          .number = part.type == contact_type ? 0 : part.number + 1,
+          .bodies = {part.bodies[0], part.bodies[1]},
+          .steps = part.steps,
+          .largest_m = part.largest_m,
+          .largest_t_s = part.largest_t,
+          .force_N = part.force,
+          .torque_Nm = part.torque,
+          .work_J = part.work,
+          .motor_work_J = part.motor_work,
+          .at_limit = part.steps_at_limit,
+          .at_stop = part.steps_at_stop,
+          .friction_share = part.friction_share,
+          .sliding = part.steps_sliding,
+          .rough = part.steps_rough};
+}
+
+/// Joints by number, then contacts, the deepest first.
+std::vector<JointSummary> read_summaries(const std::filesystem::path& record) {
+  std::vector<JointSummary> all;
+  for (const PartSample& part : read_rows<PartSample>(record.string() + parts_ending)) all.push_back(summary_of(part));
+  std::ranges::stable_sort(all, [](const JointSummary& a, const JointSummary& b) {
+    if ((a.number == 0) != (b.number == 0)) return a.number != 0;
+    return a.number != 0 ? a.number < b.number : a.largest_m > b.largest_m;
+  });
+  return all;
+}
 
 /// Of all worlds, at the time of the frame, and its gap.
 EnergyPoint sum_of(const std::map<std::uint32_t, EnergyPoint>& worlds, const Frame& frame) {
@@ -445,6 +483,7 @@ std::optional<Parting> parting(const std::filesystem::path& one, const std::file
 void describe(const std::filesystem::path& unchanged, Answer& answer) {
   Recording run(unchanged);
   read_names(unchanged.string() + names_ending, answer);
+  answer.joint_summaries = read_summaries(unchanged);
   if (const Head* head = run.head()) {
     answer.messages = head->messages;
     answer.first_message = head->first_message;

@@ -5,8 +5,8 @@
 
 namespace odeval::audit {
 
-/// Of points that come one by one, so many that each stands for as many as the others do: `Point::take` makes one of two
-/// that follow each other.
+/// Of points that come one by one, so many that each stands for as many as the others do: `Point::take` makes one of
+/// two that follow each other.
 template <class Point>
 class Thinned {
  public:

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -115,6 +116,19 @@ std::string steps_line(const Answer& answer) {
   return fmt::format("for an error until {:.3g} s of {}", answer.steps_for_t_s, fmt::join(words, ", of "));
 }
 
+/// Of what was tried, that keeps the error within a tenth; null where the program's own settings are as cheap, to a
+/// twentieth.
+const audit::Tried* cheapest(const Answer& answer) {
+  const double own = answer.error_at[answer.tried_at].distance_m.value;
+  const audit::Tried* best = nullptr;
+  for (const audit::Tried& one : answer.tried) {
+    const Estimate& error = one.distance_m[answer.tried_at];
+    const bool keeps = error.value <= 1.1 * own && error.convergence != Convergence::none;
+    if (keeps && one.cost < (best != nullptr ? best->cost : 0.95)) best = &one;
+  }
+  return best;
+}
+
 /// The best of what was tried, beside the program's own.
 std::string tried_line(const Answer& answer) {
   std::vector<const audit::Tried*> order;
@@ -128,8 +142,12 @@ std::string tried_line(const Answer& answer) {
     words.push_back(fmt::format("{}: {:.3g} m", order[i]->set, error(order[i])));
   }
   if (words.empty()) return "";
-  return fmt::format("until {:.3g} s as it is: {:.3g} m, {}", answer.steps_for_t_s,
-                     answer.error_at[answer.tried_at].distance_m.value, fmt::join(words, ", "));
+  std::string text = fmt::format("until {:.3g} s as it is: {:.3g} m, {}", answer.steps_for_t_s,
+                                 answer.error_at[answer.tried_at].distance_m.value, fmt::join(words, ", "));
+  if (const audit::Tried* one = cheapest(answer)) {
+    text += fmt::format("; {} keeps it at {:.2g} of the time", one->set, one->cost);
+  }
+  return text;
 }
 
 std::string softness_line(const Answer& answer) {
@@ -138,6 +156,96 @@ std::string softness_line(const Answer& answer) {
   const double more = *answer.softness_m - answer.softness_of_step_m;
   if (!(more > 0.1 * own) || !(more > 1e-6)) return "";  // m: that no one asks for
   return fmt::format("counts: with ERP and CFM held as numbers a smaller step leads {:.2g} m elsewhere", more);
+}
+
+}  // namespace
+
+namespace {
+
+/// Where the energy goes; parts below a thousandth of the largest are left out.
+std::string work_line(const Answer& answer) {
+  const audit::Work& work = answer.work;
+  const double of_step = answer.energy.end_J - answer.energy.begin_J - work.sum();
+  const std::array<std::pair<const char*, double>, 6> parts{{{"added forces", work.added},
+                                                             {"motors", work.motors},
+                                                             {"joints", work.joints},
+                                                             {"contacts", work.contacts},
+                                                             {"damping", work.damping},
+                                                             {"the step's own", of_step}}};
+  double largest = 1e-12;  // J: that no one asks for
+  for (const auto& [name, value] : parts) largest = std::max(largest, std::fabs(value));
+  std::vector<std::string> words;
+  for (const auto& [name, value] : parts) {
+    if (std::fabs(value) >= 1e-3 * largest) words.push_back(fmt::format("{} {:+.3g} J", name, value));
+  }
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+std::string percent(std::uint64_t part, std::uint64_t whole) {
+  return fmt::format("{:.3g} %", 100.0 * static_cast<double>(part) / static_cast<double>(whole));
+}
+
+/// The widest gap, and the motor that is at its limit for longest.
+std::string joints_line(const Answer& answer) {
+  std::vector<std::string> words;
+  if (answer.gap.joint > 0) {
+    words.push_back(fmt::format("{} is the worst: {:.3g} m apart at {:.3g} s",
+                                joint_name(answer, static_cast<std::uint32_t>(answer.gap.joint)), answer.gap.largest_m,
+                                answer.gap.t_s));
+  }
+  const auto motor = std::ranges::max_element(answer.joint_summaries, {}, &audit::JointSummary::at_limit);
+  if (motor != answer.joint_summaries.end() && motor->at_limit > 0) {
+    words.push_back(fmt::format("the motor of {} is at its limit in {} of its steps", joint_name(answer, motor->number),
+                                percent(motor->at_limit, motor->steps)));
+  }
+  return fmt::format("{}", fmt::join(words, "; "));
+}
+
+/// Of the bodies that touch most deeply.
+std::string contact_words(const Answer& answer) {
+  const auto deepest = std::ranges::find(answer.joint_summaries, 0U, &audit::JointSummary::number);
+  if (deepest == answer.joint_summaries.end()) return "";
+  std::string text = ", " + body_name(answer, deepest->bodies[0]);
+  text += deepest->bodies[1] == 0 ? " on the world" : " on " + body_name(answer, deepest->bodies[1]);
+  if (deepest->rough > 0) text += ", sliding in " + percent(deepest->sliding, deepest->rough) + " of its steps";
+  return text;
+}
+
+Json joint_json(const audit::JointSummary& joint) {
+  const bool is_contact = joint.number == 0;
+  Json json = {{"kind", joint.kind},
+               {"bodies", {joint.bodies[0], joint.bodies[1]}},
+               {"steps", joint.steps},
+               {is_contact ? "depth" : "gap", json_number(joint.largest_m)},
+               {"at", json_number(joint.largest_t_s)},
+               {"force", json_number(joint.force_N)},
+               {"work", json_number(joint.work_J)}};
+  if (is_contact) {
+    json["friction_share"] = joint.rough > 0 ? json_number(joint.friction_share) : Json();
+    json["steps_sliding"] = joint.sliding;
+    return json;
+  }
+  json["joint"] = joint.number;
+  json["torque"] = json_number(joint.torque_Nm);
+  json["motor_work"] = json_number(joint.motor_work_J);
+  json["steps_at_limit"] = joint.at_limit;
+  json["steps_at_stop"] = joint.at_stop;
+  return json;
+}
+
+void add_ledger(const Answer& answer, Json& json) {
+  const audit::Work& work = answer.work;
+  json["work"] = {{"added", json_number(work.added)},
+                  {"motors", json_number(work.motors)},
+                  {"joints", json_number(work.joints)},
+                  {"contacts", json_number(work.contacts)},
+                  {"damping", json_number(work.damping)},
+                  {"step", json_number(answer.energy.end_J - answer.energy.begin_J - work.sum())}};
+  json["joint_list"] = Json::array();
+  json["contact_list"] = Json::array();
+  for (const audit::JointSummary& joint : answer.joint_summaries) {
+    json[joint.number > 0 ? "joint_list" : "contact_list"].push_back(joint_json(joint));
+  }
 }
 
 }  // namespace
@@ -163,13 +271,11 @@ AuditLines audit_lines(const Answer& answer) {
   line("settings", tried_line(answer));
   line("energy", fmt::format("{:.4g} J at the start, {:.4g} J at the end, error {} J", answer.energy.begin_J,
                              answer.energy.end_J, error_cell(answer.energy.error_J)));
-  if (answer.gap.joint > 0) {
-    line("joints", fmt::format("{} is the worst: {:.3g} m apart at {:.3g} s",
-                               joint_name(answer, static_cast<std::uint32_t>(answer.gap.joint)), answer.gap.largest_m,
-                               answer.gap.t_s));
-  }
+  line("work", work_line(answer));
+  line("joints", joints_line(answer));
   if (answer.contacts > 0) {
-    line("contacts", fmt::format("{} at a time, {:.3g} m deep at most", answer.contacts, answer.depth_m));
+    line("contacts",
+         fmt::format("{} at a time, {:.3g} m deep at most{}", answer.contacts, answer.depth_m, contact_words(answer)));
   }
   return lines;
 }
@@ -272,8 +378,8 @@ std::string audit_text(const Answer& answer) {
   if (answer.reason.empty()) text += "\n" + errors_table(answer) + "\n";
   for (const auto& [name, what] : audit_lines(answer)) text += fmt::format("{:<9}  {}\n", name, what);
   if (answer.messages > 0) {
-    text += fmt::format("{:<9}  {}, the first: {}\n", "ODE says", count(answer.messages, "message", "messages"),
-                        answer.first_message);
+    text += fmt::format("{:<9}  {}, the first at {:.4g} s: {}\n", "ODE says",
+                        count(answer.messages, "message", "messages"), answer.first_message_t_s, answer.first_message);
   }
   for (std::size_t i = 0; i < std::min(answer.limits.size(), most_limits); ++i) {
     text += fmt::format("{:<9}  {}\n", i == 0 ? "limits" : "", answer.limits[i]);
@@ -320,6 +426,8 @@ std::string audit_json(const Answer& answer) {
   json["step_for"] = std::move(steps);
   json["settings"] = tried_json(answer);
   json["recommended"] = recommended_json(answer);
+  const audit::Tried* cheap = answer.error_at.empty() ? nullptr : cheapest(answer);
+  json["cheapest"] = cheap != nullptr ? Json(cheap->set) : Json();
   json["softness"] = json_of(answer.softness_m);
   json["energy"] = {{"begin", json_number(answer.energy.begin_J)},
                     {"end", json_number(answer.energy.end_J)},
@@ -329,6 +437,7 @@ std::string audit_json(const Answer& answer) {
                    {"gap", json_number(answer.gap.largest_m)},
                    {"contacts", answer.contacts},
                    {"depth", json_number(answer.depth_m)}};
+  add_ledger(answer, json);
   json["body_names"] = names_json(answer.body_names);
   json["joint_names"] = names_json(answer.joint_names);
   json["runs"] = runs_json(answer);

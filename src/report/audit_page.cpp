@@ -79,7 +79,8 @@ Figure errors_over_time(const Answer& answer) {
     limit.y.push_back(point.uncertainty_m);
   }
   panel.series.push_back(std::move(limit));
-  if (answer.lost_at_s) panel.shade = Shade{*answer.lost_at_s, "the error is more than a tenth of how far bodies go or turn"};
+  if (answer.lost_at_s)
+    panel.shade = Shade{*answer.lost_at_s, "the error is more than a tenth of how far bodies go or turn"};
   return {.name = "error-over-time", .panels = {std::move(panel)}};
 }
 
@@ -116,7 +117,8 @@ Table errors_until(const Answer& answer) {
 Table steps_for(const Answer& answer) {
   Table table{.name = "steps-for", .columns = {"error, m", "step, s"}};
   for (const audit::StepFor& one : answer.steps_for) {
-    table.rows.push_back({one.distance_m, one.h_s ? Cell(*one.h_s) : Missing{"smaller than was tried, or not to be told"}});
+    table.rows.push_back(
+        {one.distance_m, one.h_s ? Cell(*one.h_s) : Missing{"smaller than was tried, or not to be told"}});
   }
   return table;
 }
@@ -133,7 +135,8 @@ Content bodies(const Answer& answer) {
   for (const audit::BodyError& row : answer.error_of_body) {
     if (row.t_s == answer.steps_for_t_s) rows.push_back(&row);
   }
-  std::ranges::stable_sort(rows, std::ranges::greater(), [](const audit::BodyError* row) { return row->distance_m.value; });
+  std::ranges::stable_sort(rows, std::ranges::greater(),
+                           [](const audit::BodyError* row) { return row->distance_m.value; });
   Table table{.name = "bodies", .columns = {"body", "error, m", "±, m", "turned, rad", "±, rad"}};
   for (const audit::BodyError* row : rows) {
     table.rows.push_back({body_name(answer, row->body), cell(row->distance_m), uncertainty(row->distance_m),
@@ -180,7 +183,8 @@ Content energy(const Answer& answer) {
   const double begin = answer.energy.begin_J;
   Panel energies{.x_label = "time, s", .y_label = "energy, J"};
   energies.series.push_back(over_time(answer, "kinetic", first_energy, [](const Point& p) { return p.kinetic_J; }));
-  energies.series.push_back(over_time(answer, "of gravity", first_energy + 1, [](const Point& p) { return p.potential_J; }));
+  energies.series.push_back(
+      over_time(answer, "of gravity", first_energy + 1, [](const Point& p) { return p.potential_J; }));
   energies.series.push_back(over_time(answer, "both", ink, whole));
   Panel work{.x_label = "time, s", .y_label = "work since the start, J"};
   Table table{.name = "work-total", .columns = {"by", "work, J"}};
@@ -193,8 +197,8 @@ Content energy(const Answer& answer) {
       over_time(answer, "the step's own", ink, [&](const Point& p) { return whole(p) - begin - p.work.sum(); }));
   table.rows.push_back({"the step's own", answer.energy.end_J - begin - answer.work.sum()});
   return {{{"end", number(time(answer.runs.front().simulated_s))}},
-          {Figure{.name = "energy", .panels = {std::move(energies)}}, Figure{.name = "work", .panels = {std::move(work)}},
-           std::move(table)}};
+          {Figure{.name = "energy", .panels = {std::move(energies)}},
+           Figure{.name = "work", .panels = {std::move(work)}}, std::move(table)}};
 }
 
 Content joints(const Answer& answer) {
@@ -205,9 +209,9 @@ Content joints(const Answer& answer) {
                           "steps at its limit", "steps at a stop"}};
   for (const JointSummary& joint : answer.joint_summaries) {
     if (joint.number == 0) continue;
-    table.rows.push_back({joint_name(answer, joint.number), joint.kind, joint.largest_m, joint.largest_t_s, joint.force_N,
-                          joint.torque_Nm, joint.work_J, joint.motor_work_J, static_cast<double>(joint.at_limit),
-                          static_cast<double>(joint.at_stop)});
+    table.rows.push_back({joint_name(answer, joint.number), joint.kind, joint.largest_m, joint.largest_t_s,
+                          joint.force_N, joint.torque_Nm, joint.work_J, joint.motor_work_J,
+                          static_cast<double>(joint.at_limit), static_cast<double>(joint.at_stop)});
   }
   return {{}, {Figure{.name = "gaps", .panels = {std::move(panel)}}, std::move(table)}};
 }
@@ -225,8 +229,8 @@ Content contacts(const Answer& answer) {
                           "sliding, %"}};
   for (const JointSummary& contact : answer.joint_summaries) {
     if (contact.number != 0) continue;
-    const bool rough = contact.contacts > 0;
-    const double sliding = 100.0 * static_cast<double>(contact.sliding) / static_cast<double>(contact.contacts);
+    const bool rough = contact.rough > 0;
+    const double sliding = 100.0 * static_cast<double>(contact.sliding) / static_cast<double>(contact.rough);
     table.rows.push_back({touching(answer, contact), contact.largest_m, contact.largest_t_s,
                           static_cast<double>(contact.steps), contact.force_N, contact.work_J,
                           rough ? Cell(contact.friction_share) : Missing{"without friction, or with all there may be"},
@@ -273,11 +277,12 @@ std::string lead(const Answer& answer) {
   if (!answer.reason.empty()) return "No error can be told: " + answer.reason + ".";
   const audit::ErrorUntil& row = answer.error_at[answer.tried_at];
   if (row.convergence() == audit::Convergence::none) {
-    return fmt::format("Until {} s smaller steps do not bring the runs together: no error can be told.", number(time(row.t_s)));
+    return fmt::format("Until {} s smaller steps do not bring the runs together: no error can be told.",
+                       number(time(row.t_s)));
   }
   const Finding error{"", "m", row.distance_m.value, row.distance_m.uncertainty, ""};
-  std::string text = fmt::format("Until {} s {} is at most {} from where it would be at a step of 0.", number(time(row.t_s)),
-                                 body_name(answer, row.body), shown(error));
+  std::string text = fmt::format("Until {} s {} is at most {} from where it would be at a step of 0.",
+                                 number(time(row.t_s)), body_name(answer, row.body), shown(error));
   if (answer.lost_at_s) text += fmt::format(" From {} s on it is another motion.", number(*answer.lost_at_s));
   return text;
 }

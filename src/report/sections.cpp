@@ -148,7 +148,8 @@ void SectionWriter::add_block(Values& block, const Table& table) {
                                          {"note", table.note}}});
 }
 
-Values SectionWriter::panel_values(const Figure& figure, std::size_t number, const std::vector<Look>& looks, const std::string& id) {
+Values SectionWriter::panel_values(const Figure& figure, std::size_t number, const std::vector<Look>& looks,
+                                   const std::string& id) {
   const Panel& panel = figure.panels[number];
   std::string plot;
   std::string why_not;

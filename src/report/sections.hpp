@@ -14,8 +14,9 @@ using Items = std::vector<Values>;
 
 inline constexpr std::size_t long_rows = 24;  // a longer table scrolls under its head
 
-/// page.mustache, audit.mustache, with sections.mustache in them, and style.css. The palette is Okabe and Ito's, darkened
-/// on white and lightened on black until thin lines are seen, with four more (dashed where they are used) for its tail.
+/// page.mustache, audit.mustache, with sections.mustache in them, and style.css. The palette is Okabe and Ito's,
+/// darkened on white and lightened on black until thin lines are seen, with four more (dashed where they are used) for
+/// its tail.
 std::string page_layout(std::string_view name);
 
 /// Anchors of the page: each once.
@@ -43,7 +44,8 @@ class SectionWriter {
   explicit SectionWriter(Anchors& anchors) : anchors_(anchors) {}
 
   /// Its anchor is taken already, for links are made to what is there. `csv` names the file
-  /// that has the numbers of a table; null: none has. Throws std::logic_error when two tables, or two anchors, share a name.
+  /// that has the numbers of a table; null: none has. Throws std::logic_error when two tables, or two anchors, share a
+  /// name.
   Values values(const Section& section, std::string (*csv)(const Table&) = nullptr);
 
   /// What could not be drawn, and why.

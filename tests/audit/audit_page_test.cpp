@@ -1,4 +1,5 @@
-// The page of an audit: it says what the answer says, leaves out what there is none of, and shows nothing that is no number.
+// The page of an audit: it says what the answer says, leaves out what there is none of, and shows nothing that is no
+// number.
 //   audit_page_test [FILE]   also writes the page, to look at
 #include <cmath>
 #include <regex>
@@ -27,7 +28,8 @@ Answer some_answer() {
   answer.contacts = 4;
   answer.body_names[2] = "left & foot";
   for (const int k : {1, 2, 4}) {
-    answer.runs.push_back({.refinement = k, .what = "run", .end = "exit status 0", .steps = 2000, .simulated_s = 1.9999999});
+    answer.runs.push_back(
+        {.refinement = k, .what = "run", .end = "exit status 0", .steps = 2000, .simulated_s = 1.9999999});
   }
   for (const double t : {1.0, 2.0}) {
     const auto convergence = t < 2 ? Convergence::settled : Convergence::none;
@@ -67,8 +69,9 @@ std::string visible(const std::string& html) {
 }
 
 void says_the_answer(const std::string& html) {
-  CHECK(has(html, "Until 1 s body 2 (left &amp; foot) is at most 0.0125 ± 0.0001 m from where it would be at a step of 0. "
-                  "From 1.5 s on it is another motion."));
+  CHECK(has(html,
+            "Until 1 s body 2 (left &amp; foot) is at most 0.0125 ± 0.0001 m from where it would be at a step of 0. "
+            "From 1.5 s on it is another motion."));
   CHECK(has(html, "<code>./walk &lt;fast&gt;</code>"));
   CHECK(has(html, "<dt>motion</dt><dd>lost at 1.5 s"));
   CHECK(has(html, "<dt>ODE</dt><dd>0.16</dd>"));
