@@ -26,11 +26,12 @@ struct Estimate {
 
 /// The largest until a time, over bodies and over all steps of the program.
 struct ErrorUntil {
-  double t_s = 0;               // simulated
-  Estimate distance_m;          // of centres of mass
-  Estimate turn_rad;            // of attitudes
-  std::optional<double> order;  // of the larger part; nothing where there is no error
-  std::uint32_t body = 0;       // with the largest distance, from 1 in order of creation
+  double t_s = 0;                   // simulated
+  Estimate distance_m;              // of centres of mass
+  Estimate turn_rad;                // of attitudes
+  std::optional<double> order;      // of the larger part; nothing where there is no error
+  std::uint32_t body = 0;           // with the largest distance, from 1 in order of creation
+  std::vector<double> of_runs_m{};  // the same distance of each refined run, in the order of its refinements
 
   /// Share of the one below which the other says nothing, a metre counted as a radian.
   static constexpr double little = 1e-3;
@@ -60,13 +61,13 @@ struct StepFor {
 
 /// A run of the program, as it ended.
 struct ProgramRun {
-  int refinement = 1;              // k, of steps of h/k
-  std::string what;                // "unchanged", "steps of h/2", "starts moved by 1e-10 m"
-  std::string end;                 // "exit status 0", "ended by --until 10"
-  std::optional<int> exit_status;  // where it ended by itself, and by no signal
-  std::uint64_t steps = 0;         // that the program asked for, in the world of most
-  double simulated_s = 0;          // of the world that went farthest
-  double cpu_s = 0;                // of the whole process, user and system
+  int refinement = 1;                // k, of steps of h/k
+  std::string what;                  // "unchanged", "steps of h/2", "starts moved by 1e-10 m"
+  std::string end;                   // "exit status 0", "ended by --until 10"
+  std::optional<int> exit_status{};  // where it ended by itself, and by no signal
+  std::uint64_t steps = 0;           // that the program asked for, in the world of most
+  double simulated_s = 0;            // of the world that went farthest
+  double cpu_s = 0;                  // of the whole process, user and system
 };
 
 /// The program with another setting, at its own step.
@@ -84,6 +85,18 @@ struct Energy {
   Estimate error_J;    // at the end, from the limit's
 };
 
+/// Work on the bodies since the start, J: what acts in a step, times the mean of the velocities before and after it.
+/// What the energy has changed by besides is the step's own doing.
+struct Work {
+  double added = 0;     // by forces and torques that the program added
+  double motors = 0;    // and stops, along the axes of joints
+  double joints = 0;    // by what holds their bodies together
+  double contacts = 0;  // friction and all
+  double damping = 0;   // of dWorldSetLinearDamping and the like
+
+  double sum() const { return added + motors + joints + contacts + damping; }
+};
+
 /// How far the halves of a joint were apart at most.
 struct Gap {
   double largest_m = 0;
@@ -97,10 +110,57 @@ struct StepRow {
   double t_s = 0;              // at its end
   double kinetic_J = 0;        // of all bodies
   double potential_J = 0;      // of gravity, 0 at the origin
+  Work work{};                 // until then
   double gap_m = 0;            // the largest of a joint
   std::uint32_t contacts = 0;  // joints
   double depth_m = 0;          // of the deepest contact
   std::uint32_t messages = 0;  // of ODE, in the step
+};
+
+/// A joint of the unchanged run, or all contacts between two bodies: what it came to at most.
+struct JointSummary {
+  std::string kind;            // "hinge", "contact"
+  std::uint32_t number = 0;    // of a joint, from 1 in order of creation; 0: contacts
+  std::uint32_t bodies[2]{};   // from 1; 0: the world
+  std::uint64_t steps = 0;     // that it was there
+  double largest_m = 0;        // gap, or depth of a contact
+  double largest_t_s = 0;      // when
+  double force_N = 0;          // the largest on a body, of a contact the normal one
+  double torque_Nm = 0;        // likewise, about the body's centre
+  double work_J = 0;           // of all of it on both bodies
+  double motor_work_J = 0;     // of its motors and stops alone
+  std::uint64_t at_limit = 0;  // steps in which a motor's force was what it may be at most
+  std::uint64_t at_stop = 0;   // steps that ended at a stop or beyond
+  double friction_share = 0;   // the largest of what friction may be, of all contacts between the two in a step
+  std::uint64_t sliding = 0;   // steps with all of it
+  std::uint64_t rough = 0;     // steps with a limit to friction
+};
+
+/// Errors of the refined runs until a time.
+struct ErrorPoint {
+  double t_s = 0;
+  std::vector<double> distance_m;  // of each refined run, from the limit
+  double uncertainty_m = 0;        // of the limit
+
+  void take(const ErrorPoint& next) { *this = next; }  // they only grow
+};
+
+/// Of all worlds, at the end of a step.
+struct EnergyPoint {
+  double t_s = 0;
+  double kinetic_J = 0;
+  double potential_J = 0;
+  Work work{};
+  double gap_m = 0;    // the largest since the point before
+  double depth_m = 0;  // likewise
+
+  void take(const EnergyPoint& next) {
+    const double gap = std::max(gap_m, next.gap_m);
+    const double depth = std::max(depth_m, next.depth_m);
+    *this = next;
+    gap_m = gap;
+    depth_m = depth;
+  }
 };
 
 /// Where two runs of the same program part.
@@ -123,6 +183,7 @@ struct Answer {
   double depth_m = 0;                               // the largest
   std::uint64_t messages = 0;                       // of ODE, in the unchanged run
   std::string first_message;                        // empty: none
+  double first_message_t_s = 0;                     // end of its step
   std::map<std::uint32_t, std::string> body_names;  // from 1, those that the program named
   std::map<std::uint32_t, std::string> joint_names;
   double ode_s = 0;  // within ODE, of the unchanged run
@@ -137,6 +198,8 @@ struct Answer {
   double motion_m = 0;                   // how far a body went from its start
   std::optional<double> lost_at_s;       // where the error is more than a tenth of the largest way, or turn, of a body
   std::optional<double> growth;          // of a distance of starts, at the end
+  double worst_t_s = 0;                  // when the error grew last until the time of steps_for
+  std::size_t limit_degree = 0;          // of the polynomial in the step that the limit is from, until then
   double steps_for_t_s = 0;              // the time that they keep it until
   std::vector<StepFor> steps_for;
   std::vector<Tried> tried;
@@ -145,7 +208,11 @@ struct Answer {
                                      // the refinement of which the same run with springs is `softness_of_step_m` off
   double softness_of_step_m = 0;
   Energy energy;
+  Work work{};  // until the end of the unchanged run
   Gap gap;
+  std::vector<JointSummary> joint_summaries;  // joints by number, then contacts, the deepest first
+  std::vector<ErrorPoint> error_over_time;    // a thousand at most, of all steps, as the next
+  std::vector<EnergyPoint> energy_over_time;
   std::vector<std::string> limits;  // of this answer, a sentence each
 };
 

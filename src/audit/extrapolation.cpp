@@ -17,25 +17,59 @@ void raise(double& largest, double value) {
   if (!std::isnan(largest) && !(value <= largest)) largest = value;
 }
 
-}  // namespace
-
-Spread::Spread(const std::vector<int>& refinements, std::size_t others)
-    : apart_(refinements.size() * refinements.size()), off_((refinements.size() + others) * refinements.size()) {
-  for (const int k : refinements) steps_.push_back(1.0 / k);
-}
-
-void Spread::add(const double* values, std::size_t components, double metric) {
-  const std::size_t n = runs();
-  table_.resize(n * n * components);
-  const auto at = [&](std::size_t run, std::size_t degree) { return table_.data() + (run * n + degree) * components; };
+/// T(i, j), with i down and j across, each with its components; those beyond the diagonal stay as they are.
+void extrapolate(const std::vector<double>& steps, const double* values, std::size_t components,
+                 std::vector<double>& table) {
+  const std::size_t n = steps.size();
+  table.resize(n * n * components);
+  const auto at = [&](std::size_t run, std::size_t degree) { return table.data() + (run * n + degree) * components; };
   for (std::size_t i = 0; i < n; ++i) {
     std::copy_n(values + i * components, components, at(i, 0));
     for (std::size_t j = 1; j <= i; ++j) {
-      const double weight = 1 / (steps_[i - j] / steps_[i] - 1);
+      const double weight = 1 / (steps[i - j] / steps[i] - 1);
       for (std::size_t c = 0; c < components; ++c) {
         at(i, j)[c] = at(i, j - 1)[c] + weight * (at(i, j - 1)[c] - at(i - 1, j - 1)[c]);
       }
     }
+  }
+}
+
+std::vector<double> steps_of(const std::vector<int>& refinements) {
+  std::vector<double> steps;
+  for (const int k : refinements) steps.push_back(1.0 / k);
+  return steps;
+}
+
+}  // namespace
+
+std::array<double, 4> nearer(const double* quaternion, const double* to) {
+  double product = 0;
+  for (int i = 0; i < 4; ++i) product += quaternion[i] * to[i];
+  std::array<double, 4> its{};
+  for (std::size_t i = 0; i < 4; ++i) its[i] = product < 0 ? -quaternion[i] : quaternion[i];
+  return its;
+}
+
+std::vector<double> extrapolated(const std::vector<double>& values, const std::vector<int>& refinements,
+                                 std::size_t degree) {
+  const std::size_t n = refinements.size();
+  const std::size_t components = values.size() / n;
+  std::vector<double> table;
+  extrapolate(steps_of(refinements), values.data(), components, table);
+  const double* limit = table.data() + ((n - 1) * n + degree) * components;
+  return {limit, limit + components};
+}
+
+Spread::Spread(const std::vector<int>& refinements, std::size_t others)
+    : steps_(steps_of(refinements)),
+      apart_(refinements.size() * refinements.size()),
+      off_((refinements.size() + others) * refinements.size()) {}
+
+void Spread::add(const double* values, std::size_t components, double metric) {
+  const std::size_t n = runs();
+  extrapolate(steps_, values, components, table_);
+  const auto at = [&](std::size_t run, std::size_t degree) { return table_.data() + (run * n + degree) * components; };
+  for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       raise(apart_[i * n + j], metric * distance(at(i, j), at(i - 1, j), components));
     }

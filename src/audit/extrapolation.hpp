@@ -1,5 +1,6 @@
 #pragma once
 // The same value at several steps, taken to the step of 0.
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -7,6 +8,14 @@
 #include "odeval/audit.hpp"
 
 namespace odeval::audit {
+
+/// The quaternion of the two that mean the same attitude, that is nearer to `to`.
+std::array<double, 4> nearer(const double* quaternion, const double* to);
+
+/// Values of each run, with several components each, at a step of 0: the polynomial of that degree through the finest
+/// runs.
+std::vector<double> extrapolated(const std::vector<double>& values, const std::vector<int>& refinements,
+                                 std::size_t degree);
 
 /// How far values at different steps, and their extrapolations, are apart: the largest so far.
 ///
@@ -20,6 +29,8 @@ class Spread {
   explicit Spread(const std::vector<int>& refinements, std::size_t others = 0);
 
   std::size_t runs() const { return steps_.size(); }
+  /// j of the limit.
+  std::size_t best_degree() const;
 
   /// Of one quantity at one time, with a component for each of its coordinates. `values` holds them for each run in
   /// turn, the others last (NaN: one has ended); `metric` is what a unit of their distance means.
@@ -40,7 +51,6 @@ class Spread {
   double uncertainty(std::size_t degree) const;
   double uncertainty_of_values() const;
   Convergence convergence(const Estimate& error, double unseen) const;
-  std::size_t best_degree() const;
 
   std::vector<double> steps_;  // in units of h
   std::vector<double> apart_;  // T(i, j) from T(i-1, j), [i][j]

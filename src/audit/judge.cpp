@@ -12,6 +12,7 @@
 
 #include "audit/extrapolation.hpp"
 #include "audit/recording.hpp"
+#include "audit/thinned.hpp"
 
 namespace odeval::audit {
 namespace {
@@ -35,20 +36,11 @@ bool same_bodies(const Moment& a, const Moment& b) {
 
 double away(const double* a, const double* b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
 
-/// The quaternion of the two that mean the attitude, that is nearer to `to`.
-std::array<double, 4> near(const double* quaternion, const double* to) {
-  double product = 0;
-  for (int i = 0; i < 4; ++i) product += quaternion[i] * to[i];
-  std::array<double, 4> nearer{};
-  for (int i = 0; i < 4; ++i) nearer[i] = product < 0 ? -quaternion[i] : quaternion[i];
-  return nearer;
-}
-
 /// Between attitudes, rad.
 double turn(const double* a, const double* b) {
-  const std::array<double, 4> nearer = near(a, b);
+  const std::array<double, 4> near = nearer(a, b);
   double square = 0;
-  for (int i = 0; i < 4; ++i) square += (nearer[i] - b[i]) * (nearer[i] - b[i]);
+  for (int i = 0; i < 4; ++i) square += (near[i] - b[i]) * (near[i] - b[i]);
   return 4 * std::asin(std::min(1.0, std::sqrt(square) / 2));
 }
 
@@ -169,11 +161,18 @@ class Judge {
     take_moved(own);
     chaos_.steps = own.frame.step * static_cast<std::uint64_t>(records_.refinements.back());
     answer_.until_s = std::max(answer_.until_s, own.frame.t);
+    add_to_curve(own.frame.t);
     const double error = larger_of(distance(all_.distance));
     const double turned = larger_of(turn(all_.turn));
     if (path_.empty() || error > 1.01 * path_.back().distance || turned > 1.01 * path_.back().turn) {
       path_.push_back({own.frame.t, error, turned});
     }
+  }
+
+  void add_to_curve(double t) {
+    ErrorPoint point{t, {}, distance(all_.distance).uncertainty};
+    for (std::size_t run = 0; run < runs_.size(); ++run) point.distance_m.push_back(distance(all_.distance, run).value);
+    curve_.add(point);
   }
 
   void take_body(std::size_t i) {
@@ -190,12 +189,12 @@ class Judge {
     its.distance.add(values_.data(), 3, 1);
     values_.clear();
     for (const Moment& moment : moments_) {
-      const std::array<double, 4> quaternion = near(moment.bodies[i].quaternion, own.quaternion);
+      const std::array<double, 4> quaternion = nearer(moment.bodies[i].quaternion, own.quaternion);
       values_.insert(values_.end(), quaternion.begin(), quaternion.end());
     }
     for (const auto& moment : of_others_) {
       const std::array<double, 4> quaternion =
-          near(moment ? moment->bodies[i].quaternion : own.quaternion, own.quaternion);
+          nearer(moment ? moment->bodies[i].quaternion : own.quaternion, own.quaternion);
       for (const double part : quaternion) values_.push_back(moment ? part : NAN);
     }
     its.turn.add(values_.data(), 4, 2);  // a small turn is twice the distance of quaternions
@@ -262,11 +261,13 @@ class Judge {
       largest = size;
       row.body = its.body;
     }
+    for (std::size_t run = 0; run < runs_.size(); ++run) row.of_runs_m.push_back(distance(all_.distance, run).value);
     answer_.error_at.push_back(row);
     std::vector<Estimate> of_runs;
     for (std::size_t run = 0; run < runs_.size() + others_.size(); ++run)
       of_runs.push_back(distance(all_.distance, run));
     distances_.push_back(std::move(of_runs));
+    degrees_.push_back(all_.distance.best_degree());
   }
 
   void sum_up() {
@@ -277,6 +278,7 @@ class Judge {
     find_loss();
     if (records_.moved && moved_) answer_.growth = chaos_.growth();
     answer_.energy.error_J = energy_.error(0);
+    answer_.error_over_time = curve_.points();
     find_steps();
     take_tried();
   }
@@ -298,6 +300,7 @@ class Judge {
     while (answer_.error_at.size() > 1 && answer_.error_at.front().t_s < first * (1 - rounding_of_time)) {
       answer_.error_at.erase(answer_.error_at.begin());
       distances_.erase(distances_.begin());
+      degrees_.erase(degrees_.begin());
     }
     std::erase_if(answer_.error_of_body, [&](const BodyError& row) { return row.t_s < answer_.error_at.front().t_s; });
   }
@@ -308,13 +311,17 @@ class Judge {
     while (last > 0 && answer_.lost_at_s && answer_.error_at[last].t_s > *answer_.lost_at_s) --last;
     answer_.tried_at = last;
     answer_.steps_for_t_s = answer_.error_at[last].t_s;
+    answer_.limit_degree = degrees_[last];
+    for (const PathPoint& point : path_) {
+      if (point.t <= answer_.steps_for_t_s * (1 + rounding_of_time)) answer_.worst_t_s = point.t;
+    }
     for (const double wanted : {1e-3, 1e-2, 1e-1}) answer_.steps_for.push_back({wanted, step_for(last, wanted)});
   }
 
   void take_tried() {
     const std::size_t runs = runs_.size();
     for (std::size_t i = 0; i < records_.tried.size(); ++i) {
-      Tried tried{records_.tried_sets[i], {}, cost_of(records_.tried[i]) / cost_of(records_.refined.front())};
+      Tried tried{records_.tried_sets[i], {}, cost_of(records_.tried[i]) / cost_of(records_.unchanged_again)};
       for (const auto& distances : distances_) tried.distance_m.push_back(distances[runs + i]);
       answer_.tried.push_back(std::move(tried));
     }
@@ -381,11 +388,70 @@ class Judge {
   Spread energy_;
   Chaos chaos_;
   double most_turned_ = 0;
-  bool touched_ = false;                          // bodies, so far
+  bool touched_ = false;  // bodies, so far
+  Thinned<ErrorPoint> curve_;
   std::vector<PathPoint> path_;                   // of the error, each time it has grown by a hundredth
   std::vector<std::vector<Estimate>> distances_;  // of the runs, at each time of the report
+  std::vector<std::size_t> degrees_;              // of the limit, likewise
   int next_report_ = first_report;
 };
+
+Work work_of(const Frame& frame) {
+  return {frame.work_added, frame.work_motors, frame.work_joints, frame.work_contacts, frame.work_damping};
+}
+
+/// Of ODE's kinds of joints, in their order.
+const char* joint_kind(std::uint32_t type) {
+  constexpr std::array kinds{"none",   "ball",  "hinge",  "slider",      "contact",      "universal",
+                             "hinge2", "fixed", "null",   "amotor",      "lmotor",       "plane2d",
+                             "pr",     "pu",    "piston", "double ball", "double hinge", "transmission"};
+  return type < kinds.size() ? kinds[type] : "joint";
+}
+constexpr std::uint32_t contact_type = 4;
+
+JointSummary summary_of(const PartSample& part) {
+  return {.kind = joint_kind(part.type),
+          .number = part.type == contact_type ? 0 : part.number + 1,
+          .bodies = {part.bodies[0], part.bodies[1]},
+          .steps = part.steps,
+          .largest_m = part.largest_m,
+          .largest_t_s = part.largest_t,
+          .force_N = part.force,
+          .torque_Nm = part.torque,
+          .work_J = part.work,
+          .motor_work_J = part.motor_work,
+          .at_limit = part.steps_at_limit,
+          .at_stop = part.steps_at_stop,
+          .friction_share = part.friction_share,
+          .sliding = part.steps_sliding,
+          .rough = part.steps_rough};
+}
+
+/// Joints by number, then contacts, the deepest first.
+std::vector<JointSummary> read_summaries(const std::filesystem::path& record) {
+  std::vector<JointSummary> all;
+  for (const PartSample& part : read_rows<PartSample>(record.string() + parts_ending)) all.push_back(summary_of(part));
+  std::ranges::stable_sort(all, [](const JointSummary& a, const JointSummary& b) {
+    if ((a.number == 0) != (b.number == 0)) return a.number != 0;
+    return a.number != 0 ? a.number < b.number : a.largest_m > b.largest_m;
+  });
+  return all;
+}
+
+/// Of all worlds, at the time of the frame, and its gap.
+EnergyPoint sum_of(const std::map<std::uint32_t, EnergyPoint>& worlds, const Frame& frame) {
+  EnergyPoint sum{.t_s = frame.t, .gap_m = frame.gap, .depth_m = frame.depth};
+  for (const auto& [number, world] : worlds) {
+    sum.kinetic_J += world.kinetic_J;
+    sum.potential_J += world.potential_J;
+    sum.work.added += world.work.added;
+    sum.work.motors += world.work.motors;
+    sum.work.joints += world.work.joints;
+    sum.work.contacts += world.work.contacts;
+    sum.work.damping += world.work.damping;
+  }
+  return sum;
+}
 
 void read_names(const std::string& file, Answer& answer) {
   std::ifstream in(file);
@@ -417,21 +483,25 @@ std::optional<Parting> parting(const std::filesystem::path& one, const std::file
 void describe(const std::filesystem::path& unchanged, Answer& answer) {
   Recording run(unchanged);
   read_names(unchanged.string() + names_ending, answer);
+  answer.joint_summaries = read_summaries(unchanged);
   if (const Head* head = run.head()) {
     answer.messages = head->messages;
     answer.first_message = head->first_message;
   }
   bool quick = false;
   bool plain = false;
-  std::map<std::uint32_t, double> energies;  // of worlds
+  std::map<std::uint32_t, EnergyPoint> worlds;  // as they were last
+  Thinned<EnergyPoint> curve;
   for (auto moment = run.next(); moment; moment = run.next()) {
     const Frame& frame = moment->frame;
-    const double energy = frame.kinetic + frame.potential;
-    energies[frame.world] = energy;
+    EnergyPoint& world = worlds[frame.world];
+    world = {frame.t, frame.kinetic, frame.potential, work_of(frame), frame.gap, frame.depth};
+    curve.add(sum_of(worlds, frame));
     if (frame.step == 0) {
-      answer.energy.begin_J += energy;
+      answer.energy.begin_J += world.kinetic_J + world.potential_J;
       continue;
     }
+    if (answer.messages > 0 && answer.first_message_t_s == 0 && frame.messages > 0) answer.first_message_t_s = frame.t;
     if (answer.h_s == 0) answer.h_s = frame.h;
     answer.h_varies = answer.h_varies || frame.h != answer.h_s;
     (frame.quick != 0 ? quick : plain) = true;
@@ -442,7 +512,10 @@ void describe(const std::filesystem::path& unchanged, Answer& answer) {
     answer.ode_s += frame.ode_s;
     if (frame.gap > answer.gap.largest_m) answer.gap = {frame.gap, frame.t, frame.gap_joint + 1};
   }
-  for (const auto& [world, energy] : energies) answer.energy.end_J += energy;
+  const EnergyPoint end = sum_of(worlds, {});
+  answer.energy.end_J = end.kinetic_J + end.potential_J;
+  answer.work = end.work;
+  answer.energy_over_time = curve.points();
   answer.stepper = quick && plain ? "dWorldStep and dWorldQuickStep" : quick ? "dWorldQuickStep" : "dWorldStep";
 }
 
@@ -450,8 +523,8 @@ void each_step(const std::filesystem::path& record, const std::function<void(con
   Recording run(record);
   for (auto moment = run.next(); moment; moment = run.next()) {
     const Frame& frame = moment->frame;
-    take({frame.world + 1, frame.t, frame.kinetic, frame.potential, frame.gap, frame.contacts, frame.depth,
-          frame.messages});
+    take({frame.world + 1, frame.t, frame.kinetic, frame.potential, work_of(frame), frame.gap, frame.contacts,
+          frame.depth, frame.messages});
   }
 }
 

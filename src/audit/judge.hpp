@@ -16,6 +16,7 @@ std::optional<Parting> parting(const std::filesystem::path& one, const std::file
 
 struct Records {
   std::vector<std::filesystem::path> refined;  // the first is the unchanged run
+  std::filesystem::path unchanged_again;       // without a ledger, which takes time of ODE's
   std::vector<int> refinements;                // of those, 1 first, rising
   std::optional<std::filesystem::path> moved;  // the unchanged run from starts that were moved
   double moved_by_m = 0;

@@ -6,8 +6,9 @@
 
 namespace odeval::audit {
 
-std::string library_file() {
-  const std::string file = part_file(ODEVAL_INSTALLED_AUDIT, ODEVAL_BUILT_AUDIT);
+std::string library_file(const char* name) {
+  const std::filesystem::path audit = part_file(ODEVAL_INSTALLED_AUDIT, ODEVAL_BUILT_AUDIT);
+  const std::string file = (audit.parent_path() / name).string();  // all of them lie together
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored))
     throw MachineError(file + ": is not there; it is built with odeval");

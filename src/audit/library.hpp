@@ -1,10 +1,14 @@
 #pragma once
-// The library that is loaded beside a program.
+// The libraries that are loaded beside a program.
 #include <string>
 
 namespace odeval::audit {
 
-/// Its full path. Throws UserError where LD_PRELOAD cannot name it.
-std::string library_file();
+inline constexpr const char* recorder = "libodeval-audit.so";
+inline constexpr const char* simulated_clock = "libodeval-clock.so";
+inline constexpr const char* accurate_stepper = "libodeval-accurate.so";
+
+/// The full path of one. Throws UserError where LD_PRELOAD cannot name it.
+std::string library_file(const char* name);
 
 }  // namespace odeval::audit

@@ -1,9 +1,12 @@
 #pragma once
 // What a program left in its record, frame by frame.
 #include <cstddef>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "audit/preload/record_format.hpp"
 
@@ -38,5 +41,19 @@ class Recording {
   std::size_t at_ = 0;
   bool begun_in_vain_ = false;  // the file is there, and nothing is in it
 };
+
+/// Rows beside a record, of PartSample or ShapeSample; none where there is no such file.
+template <class Row>
+std::vector<Row> read_rows(const std::filesystem::path& file) {
+  std::vector<Row> rows;
+  std::ifstream in(file, std::ios::binary);
+  for (Row row; in.read(reinterpret_cast<char*>(&row), sizeof row);) {
+    std::uint32_t first = 0;  // the kind of each
+    std::memcpy(&first, &row, sizeof first);
+    if (first == 0) break;
+    rows.push_back(row);
+  }
+  return rows;
+}
 
 }  // namespace odeval::audit

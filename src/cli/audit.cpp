@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <iostream>
@@ -15,6 +16,8 @@
 #include "audit/library.hpp"
 #include "audit/preload/environment.hpp"
 #include "audit/recording.hpp"
+#include "catalogue/versions.hpp"
+#include "cli/audit_pictures.hpp"
 #include "cli/commands.hpp"
 #include "cli/flags.hpp"
 #include "cli/progress.hpp"
@@ -22,6 +25,7 @@
 #include "odeval/error.hpp"
 #include "output/audit_answer.hpp"
 #include "output/number.hpp"
+#include "report/audit_page.hpp"
 #include "run/pool.hpp"
 #include "run/program.hpp"
 
@@ -33,6 +37,8 @@ using audit::Answer;
 using audit::Recording;
 
 constexpr double moved_by_m = 1e-10;
+constexpr const char* accurately = "stepper=accurate";
+const std::vector<std::string> default_refinements{"1", "2", "4", "8"};
 
 struct Options {
   std::vector<std::string> program;
@@ -40,10 +46,14 @@ struct Options {
   std::string hold = "springs";
   std::string contacts = "renewed";
   std::vector<std::string> tries;
+  bool accurate = false;
+  std::string clock = "wall";
+  double tick_s = 1.0 / 60;
   double until_s = 0;
   double timeout_s = 60;
   int jobs = 1;
   std::string out = "results";
+  bool film = false;
   bool quiet = false;
   bool json = false;
 };
@@ -80,6 +90,7 @@ struct Run {
   bool moved = false;
   std::string set{};     // in the place of the program's settings
   bool numbers = false;  // held, where the audit holds springs
+  bool ledger = false;
   run::ProgramEnd end{};
 };
 
@@ -105,13 +116,25 @@ class Audit {
     audit::each_step(scratch_.record(0), [&](const audit::StepRow& row) { steps.add(row); });
     steps.finish();
     write_whole(folder / "answer.json", audit_json(answer));
+    std::vector<std::string> missing;
+    report::AuditPageParts parts{.pictures = {}, .command = command(), .environment = catalogue::versions()};
+    try {
+      if (answer.reason.empty()) parts.pictures = worst_moment(answer, records());
+      if (answer.reason.empty() && options_.film) write_whole(folder / "film.png", audit_film(answer, records()));
+    } catch (const MachineError& error) {  // no OpenGL, no font
+      missing.push_back(fmt::format("its pictures: {}", error.what()));
+    }
+    const report::Page page = report::audit_page(answer, parts);
+    write_whole(folder / "index.html", page.html);
+    missing.insert(missing.end(), page.missing.begin(), page.missing.end());
+    for (const std::string& why : missing) std::cerr << "odeval: the page lacks " << why << '\n';
   }
 
  private:
   int run_all(Answer& answer) {
     answer.program = fmt::format("{}", fmt::join(options_.program, " "));
     answer.springs_held = options_.hold == "springs";
-    runs_ = {Run{}, Run{}};
+    runs_ = {Run{.ledger = true}, Run{}};
     if (const int signal = run_from(0)) return signal;
     find_parting(answer);
     audit::describe(scratch_.record(0), answer);
@@ -125,24 +148,46 @@ class Audit {
       for (const std::string& set : tries(answer)) runs_.push_back({.set = set});
       if (answer.springs_held) runs_.push_back({.refinement = refinements_.rbegin()[1], .numbers = true});
       if (const int signal = run_from(2)) return signal;
-      judge(answer);
+      audit::judge(records(), answer);
     }
     for (std::size_t i = 0; i < runs_.size(); ++i) answer.runs.push_back(described(i));
     add_limits(answer);
     return 0;
   }
 
+  /// That makes this page again.
+  std::string command() const {
+    std::string text = "odeval audit";
+    const auto add = [&text](const char* flag, const std::string& value) {
+      text += fmt::format(" {} {}", flag, value);
+    };
+    if (options_.refine != default_refinements) add("--refine", fmt::format("{}", fmt::join(options_.refine, ",")));
+    if (options_.hold != "springs") add("--hold", options_.hold);
+    if (options_.contacts != "renewed") add("--contacts", options_.contacts);
+    if (options_.clock != "wall") add("--clock", options_.clock);
+    if (options_.tick_s != Options().tick_s) add("--tick", number_text(options_.tick_s));
+    for (const std::string& set : options_.tries) add("--try", set);
+    if (options_.accurate) text += " --accurate";
+    if (options_.until_s > 0) add("--until", number_text(options_.until_s));
+    return fmt::format("{} -- {}", text, fmt::join(options_.program, " "));
+  }
+
   run::Program program(std::size_t number) const {
     namespace environment = audit::environment;
     const Run& run = runs_[number];
     const char* others = std::getenv("LD_PRELOAD");
-    const std::string library = audit::library_file();
+    std::string libraries = audit::library_file(audit::recorder);
+    if (options_.clock == "simulated") libraries += ":" + audit::library_file(audit::simulated_clock);
+    if (others != nullptr) libraries += std::string(":") + others;
     return {.words = options_.program,
-            .environment = {{"LD_PRELOAD", others == nullptr ? library : library + ":" + others},
+            .environment = {{"LD_PRELOAD", libraries},
+                            {environment::tick, number_text(options_.tick_s)},
+                            {environment::accurate, audit::library_file(audit::accurate_stepper)},
                             {environment::record, scratch_.record(number).string()},
                             {environment::refine, std::to_string(run.refinement)},
                             {environment::hold, run.numbers ? "numbers" : options_.hold},
                             {environment::set, run.set},
+                            {environment::ledger, run.ledger ? "1" : "0"},
                             {environment::contacts, options_.contacts},
                             {environment::until, number_text(until_s_)},
                             {environment::move, number_text(run.moved ? moved_by_m : 0)}},
@@ -176,12 +221,23 @@ class Audit {
 
   /// What is tried of any program, and what was asked for.
   std::vector<std::string> tries(const Answer& answer) const {
-    std::vector<std::string> sets{"erp=0.8", "start=half-step", "rotation=finite"};
+    const Recording own(scratch_.record(0));
+    std::vector<std::string> sets;
+    const auto add = [&sets](const char* key, double own_value, std::initializer_list<double> values) {
+      for (const double value : values) {
+        const bool is_own = std::fabs(value - own_value) <= 1e-3 * value;
+        if (!is_own) sets.push_back(fmt::format("{}={}", key, number_text(value)));
+      }
+    };
+    add("erp", own.head()->erp, {0.2, 0.8});
+    add("cfm", own.head()->cfm, {1e-10, 1e-5});  // the defaults of ODE in double and in single precision
     if (answer.stepper == "dWorldQuickStep") {
-      sets.insert(sets.end(), {"iterations=50", "w=1", "stepper=step"});
-    } else {
-      sets.emplace_back("stepper=quick");
+      add("iterations", own.head()->iterations, {10, 50});
+      add("w", own.head()->w, {1, 1.5});
     }
+    sets.emplace_back(answer.stepper == "dWorldQuickStep" ? "stepper=step" : "stepper=quick");
+    sets.insert(sets.end(), {"rotation=finite", "start=half-step"});
+    if (options_.accurate) sets.emplace_back(accurately);
     sets.insert(sets.end(), options_.tries.begin(), options_.tries.end());
     return sets;
   }
@@ -254,9 +310,10 @@ class Audit {
             .cpu_s = run.end.cpu_s};
   }
 
-  void judge(Answer& answer) {
+  audit::Records records() const {
     audit::Records records;
     records.moved_by_m = moved_by_m;
+    records.unchanged_again = scratch_.record(1);
     for (std::size_t i = 0; i < runs_.size(); ++i) {
       if (i == 1) continue;  // the same as the first
       if (runs_[i].moved) {
@@ -271,15 +328,23 @@ class Audit {
         records.refinements.push_back(runs_[i].refinement);
       }
     }
-    audit::judge(records, answer);
+    return records;
   }
 
   void add_limits(Answer& answer) const {
     const audit::ProgramRun& own = answer.runs.front();
+    for (std::size_t i = 0; i < runs_.size(); ++i) {
+      const Recording run(scratch_.record(i));
+      if (!run.has(audit::not_accurately)) continue;
+      const char* why = run.head()->last_words;
+      answer.limits.push_back(
+          fmt::format("the accurate step can not take it from {:.4g} s on: {}", reached(i).t_s, why));
+    }
     for (const audit::ProgramRun& run : answer.runs) {
+      if (run.what == accurately) continue;
       if (run.simulated_s < own.simulated_s * (1 - 1e-9)) {
-        answer.limits.push_back(
-            fmt::format("the run with {} reached {:.4g} s ({})", run.what, run.simulated_s, run.end));
+        const std::string which = run.what == "unchanged" ? "the second unchanged run" : "the run with " + run.what;
+        answer.limits.push_back(fmt::format("{} reached {:.4g} s ({})", which, run.simulated_s, run.end));
       }
     }
     const run::ProgramEnd& end = runs_.front().end;
@@ -293,6 +358,9 @@ class Audit {
       }
       if (i == 0 && run.has(audit::several_processes)) {
         answer.limits.push_back("several processes of the program step: the audit is of the first");
+      }
+      if (i == 0 && run.has(audit::too_many_parts)) {
+        answer.limits.push_back("more joints, touching bodies or geoms than there is room for: some are not told of");
       }
       if (i == 2 && run.has(audit::contacts_stayed)) {
         answer.limits.push_back("contacts stay as they are within a step: what makes them can not be called again");
@@ -320,7 +388,10 @@ std::string wrong_try(const std::string& text) {
     keys.emplace_back(row.key);
     if (sign == std::string::npos || text.substr(0, sign) != row.key) continue;
     const std::string value = text.substr(sign + 1);
-    if (*row.words == 0) return number_within(row.least, row.most)(value);
+    if (*row.words == 0) {
+      const std::string wrong = number_within(row.least, row.most)(value);
+      return wrong.empty() ? "" : fmt::format("{} {}", row.key, wrong);
+    }
     const std::string words = std::string(",") + row.words + ",";
     return words.find("," + value + ",") != std::string::npos && !value.empty()
                ? ""
@@ -352,7 +423,7 @@ int audit_program(const Options& options) {
   if (options.json) {
     std::cout << audit_json(answer);
   } else if (!options.quiet) {
-    std::cout << audit_text(answer) << "\nwrote " << (fs::path(options.out) / "audit").string() << "/\n";
+    std::cout << audit_text(answer) << "\nwrote " << (fs::path(options.out) / "audit" / "index.html").string() << "\n";
   }
   return answer.reason.empty() ? 0 : 1;
 }
@@ -361,7 +432,7 @@ int audit_program(const Options& options) {
 
 Action attach_audit(Flags& flags) {
   const auto options = std::make_shared<Options>();
-  options->refine = {"1", "2", "4", "8"};
+  options->refine = default_refinements;
   flags.add_option("PROGRAM", options->program, "the program and its arguments, after --").required();
   flags.add_option("--refine", options->refine, "steps in the place of one of the program's; default: 1,2,4,8")
       .type_name("K,K,K...")
@@ -383,6 +454,20 @@ Action attach_audit(Flags& flags) {
       .type_name("KEY=V")
       .check(wrong_try)
       .one_value();
+  flags.add_flag("--accurate", options->accurate,
+                 "the same program by the accurate step as well: --try stepper=accurate");
+  flags
+      .add_option("--clock", options->clock,
+                  "what the program's calls of the clock get: the machine's time, or the simulated, so that one whose "
+                  "step comes from the clock repeats")
+      .one_of({"wall", "simulated"})
+      .capture_default_str();
+  flags
+      .add_option("--tick", options->tick_s,
+                  "seconds that the simulated clock goes on from one reading to the next without a step between; "
+                  "default: 1/60")
+      .type_name("S")
+      .check(number_within(1e-9, 1e3));
   flags.add_option("--until", options->until_s, "simulated time after which the program is ended")
       .type_name("T")
       .check(number_within(1e-6, 1e9));
@@ -392,6 +477,7 @@ Action attach_audit(Flags& flags) {
       .capture_default_str();
   add_jobs_option(flags, options->jobs);
   add_out_option(flags, options->out);
+  flags.add_flag("--film", options->film, "this run and its limit as an animated PNG at real-time speed: film.png");
   flags.add_flag("--quiet", options->quiet, "nothing but the files and the exit status");
   flags.add_flag("--json", options->json, "answer.json on standard output");
   return [options] { return audit_program(*options); };

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -29,14 +30,18 @@ std::string count(std::uint64_t number, const char* one, const char* many) {
   return fmt::format("{} {}", number, number == 1 ? one : many);
 }
 
-/// "body 2", or "body 2 (left foot)".
 std::string called(const char* kind, std::uint32_t number, const std::map<std::uint32_t, std::string>& names) {
   const auto name = names.find(number);
   return name == names.end() ? fmt::format("{} {}", kind, number)
                              : fmt::format("{} {} ({})", kind, number, name->second);
 }
 
-std::string head_line(const Answer& answer) {
+}  // namespace
+
+std::string body_name(const Answer& answer, std::uint32_t body) { return called("body", body, answer.body_names); }
+std::string joint_name(const Answer& answer, std::uint32_t joint) { return called("joint", joint, answer.joint_names); }
+
+std::string audit_head(const Answer& answer) {
   const audit::ProgramRun& run = answer.runs.front();
   std::string line =
       fmt::format("{}, h = {:.4g} s{}, {}, {:.4g} s; {}, {}; {}", answer.stepper, answer.h_s,
@@ -46,7 +51,7 @@ std::string head_line(const Answer& answer) {
   return line;
 }
 
-const char* word(Convergence convergence) {
+const char* convergence_word(Convergence convergence) {
   switch (convergence) {
     case Convergence::settled:
       return "settled";
@@ -57,6 +62,8 @@ const char* word(Convergence convergence) {
   }
   return "none";
 }
+
+namespace {
 
 std::string error_cell(const Estimate& error) {
   if (error.convergence == Convergence::none) return "no limit";
@@ -69,8 +76,8 @@ std::string errors_table(const Answer& answer) {
   for (std::size_t i = first; i < answer.error_at.size(); ++i) {
     const ErrorUntil& row = answer.error_at[i];
     table.add({fmt::format("{:.4g}", row.t_s), error_cell(row.distance_m), error_cell(row.turn_rad),
-               row.order ? fmt::format("{:.2f}", *row.order) : "-", word(row.convergence()),
-               called("body", row.body, answer.body_names)});
+               row.order ? fmt::format("{:.2f}", *row.order) : "-", convergence_word(row.convergence()),
+               body_name(answer, row.body)});
   }
   return table.text();
 }
@@ -109,6 +116,19 @@ std::string steps_line(const Answer& answer) {
   return fmt::format("for an error until {:.3g} s of {}", answer.steps_for_t_s, fmt::join(words, ", of "));
 }
 
+/// Of what was tried, that keeps the error within a tenth; null where the program's own settings are as cheap, to a
+/// twentieth.
+const audit::Tried* cheapest(const Answer& answer) {
+  const double own = answer.error_at[answer.tried_at].distance_m.value;
+  const audit::Tried* best = nullptr;
+  for (const audit::Tried& one : answer.tried) {
+    const Estimate& error = one.distance_m[answer.tried_at];
+    const bool keeps = error.value <= 1.1 * own && error.convergence != Convergence::none;
+    if (keeps && one.cost < (best != nullptr ? best->cost : 0.95)) best = &one;
+  }
+  return best;
+}
+
 /// The best of what was tried, beside the program's own.
 std::string tried_line(const Answer& answer) {
   std::vector<const audit::Tried*> order;
@@ -122,8 +142,12 @@ std::string tried_line(const Answer& answer) {
     words.push_back(fmt::format("{}: {:.3g} m", order[i]->set, error(order[i])));
   }
   if (words.empty()) return "";
-  return fmt::format("until {:.3g} s as it is: {:.3g} m, {}", answer.steps_for_t_s,
-                     answer.error_at[answer.tried_at].distance_m.value, fmt::join(words, ", "));
+  std::string text = fmt::format("until {:.3g} s as it is: {:.3g} m, {}", answer.steps_for_t_s,
+                                 answer.error_at[answer.tried_at].distance_m.value, fmt::join(words, ", "));
+  if (const audit::Tried* one = cheapest(answer)) {
+    text += fmt::format("; {} keeps it at {:.2g} of the time", one->set, one->cost);
+  }
+  return text;
 }
 
 std::string softness_line(const Answer& answer) {
@@ -134,11 +158,104 @@ std::string softness_line(const Answer& answer) {
   return fmt::format("counts: with ERP and CFM held as numbers a smaller step leads {:.2g} m elsewhere", more);
 }
 
-std::string answer_lines(const Answer& answer) {
-  std::string text;
-  const auto line = [&text](const char* name, const std::string& what) {
-    if (!what.empty()) text += fmt::format("{:<9}  {}\n", name, what);
+}  // namespace
+
+namespace {
+
+/// Where the energy goes; parts below a thousandth of the largest are left out.
+std::string work_line(const Answer& answer) {
+  const audit::Work& work = answer.work;
+  const double of_step = answer.energy.end_J - answer.energy.begin_J - work.sum();
+  const std::array<std::pair<const char*, double>, 6> parts{{{"added forces", work.added},
+                                                             {"motors", work.motors},
+                                                             {"joints", work.joints},
+                                                             {"contacts", work.contacts},
+                                                             {"damping", work.damping},
+                                                             {"the step's own", of_step}}};
+  double largest = 1e-12;  // J: that no one asks for
+  for (const auto& [name, value] : parts) largest = std::max(largest, std::fabs(value));
+  std::vector<std::string> words;
+  for (const auto& [name, value] : parts) {
+    if (std::fabs(value) >= 1e-3 * largest) words.push_back(fmt::format("{} {:+.3g} J", name, value));
+  }
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+std::string percent(std::uint64_t part, std::uint64_t whole) {
+  return fmt::format("{:.3g} %", 100.0 * static_cast<double>(part) / static_cast<double>(whole));
+}
+
+/// The widest gap, and the motor that is at its limit for longest.
+std::string joints_line(const Answer& answer) {
+  std::vector<std::string> words;
+  if (answer.gap.joint > 0) {
+    words.push_back(fmt::format("{} is the worst: {:.3g} m apart at {:.3g} s",
+                                joint_name(answer, static_cast<std::uint32_t>(answer.gap.joint)), answer.gap.largest_m,
+                                answer.gap.t_s));
+  }
+  const auto motor = std::ranges::max_element(answer.joint_summaries, {}, &audit::JointSummary::at_limit);
+  if (motor != answer.joint_summaries.end() && motor->at_limit > 0) {
+    words.push_back(fmt::format("the motor of {} is at its limit in {} of its steps", joint_name(answer, motor->number),
+                                percent(motor->at_limit, motor->steps)));
+  }
+  return fmt::format("{}", fmt::join(words, "; "));
+}
+
+/// Of the bodies that touch most deeply.
+std::string contact_words(const Answer& answer) {
+  const auto deepest = std::ranges::find(answer.joint_summaries, 0U, &audit::JointSummary::number);
+  if (deepest == answer.joint_summaries.end()) return "";
+  std::string text = ", " + body_name(answer, deepest->bodies[0]);
+  text += deepest->bodies[1] == 0 ? " on the world" : " on " + body_name(answer, deepest->bodies[1]);
+  if (deepest->rough > 0) text += ", sliding in " + percent(deepest->sliding, deepest->rough) + " of its steps";
+  return text;
+}
+
+Json joint_json(const audit::JointSummary& joint) {
+  const bool is_contact = joint.number == 0;
+  Json json = {{"kind", joint.kind},
+               {"bodies", {joint.bodies[0], joint.bodies[1]}},
+               {"steps", joint.steps},
+               {is_contact ? "depth" : "gap", json_number(joint.largest_m)},
+               {"at", json_number(joint.largest_t_s)},
+               {"force", json_number(joint.force_N)},
+               {"work", json_number(joint.work_J)}};
+  if (is_contact) {
+    json["friction_share"] = joint.rough > 0 ? json_number(joint.friction_share) : Json();
+    json["steps_sliding"] = joint.sliding;
+    return json;
+  }
+  json["joint"] = joint.number;
+  json["torque"] = json_number(joint.torque_Nm);
+  json["motor_work"] = json_number(joint.motor_work_J);
+  json["steps_at_limit"] = joint.at_limit;
+  json["steps_at_stop"] = joint.at_stop;
+  return json;
+}
+
+void add_ledger(const Answer& answer, Json& json) {
+  const audit::Work& work = answer.work;
+  json["work"] = {{"added", json_number(work.added)},
+                  {"motors", json_number(work.motors)},
+                  {"joints", json_number(work.joints)},
+                  {"contacts", json_number(work.contacts)},
+                  {"damping", json_number(work.damping)},
+                  {"step", json_number(answer.energy.end_J - answer.energy.begin_J - work.sum())}};
+  json["joint_list"] = Json::array();
+  json["contact_list"] = Json::array();
+  for (const audit::JointSummary& joint : answer.joint_summaries) {
+    json[joint.number > 0 ? "joint_list" : "contact_list"].push_back(joint_json(joint));
+  }
+}
+
+}  // namespace
+
+AuditLines audit_lines(const Answer& answer) {
+  AuditLines lines;
+  const auto line = [&lines](const char* name, std::string what) {
+    if (!what.empty()) lines.emplace_back(name, std::move(what));
   };
+  if (!answer.reason.empty()) return lines;
   const int finest = std::ranges::max_element(answer.runs, {}, &audit::ProgramRun::refinement)->refinement;
   line("error", fmt::format("largest distance of a body from where it would be at a step of 0 (steps to h/{}, {} held)",
                             finest, answer.springs_held ? "springs" : "numbers"));
@@ -154,26 +271,26 @@ std::string answer_lines(const Answer& answer) {
   line("settings", tried_line(answer));
   line("energy", fmt::format("{:.4g} J at the start, {:.4g} J at the end, error {} J", answer.energy.begin_J,
                              answer.energy.end_J, error_cell(answer.energy.error_J)));
-  if (answer.gap.joint > 0) {
-    line("joints", fmt::format("{} is the worst: {:.3g} m apart at {:.3g} s",
-                               called("joint", static_cast<std::uint32_t>(answer.gap.joint), answer.joint_names),
-                               answer.gap.largest_m, answer.gap.t_s));
-  }
+  line("work", work_line(answer));
+  line("joints", joints_line(answer));
   if (answer.contacts > 0) {
-    line("contacts", fmt::format("{} at a time, {:.3g} m deep at most", answer.contacts, answer.depth_m));
+    line("contacts",
+         fmt::format("{} at a time, {:.3g} m deep at most{}", answer.contacts, answer.depth_m, contact_words(answer)));
   }
-  return text;
+  return lines;
 }
+
+namespace {
 
 Json json_of(const Estimate& error) {
   return {{"value", json_number(error.value)},
           {"uncertainty", json_number(error.uncertainty)},
-          {"convergence", word(error.convergence)}};
+          {"convergence", convergence_word(error.convergence)}};
 }
 void add_turn(Json& row, const Estimate& turn) {
   row["turn"] = json_number(turn.value);
   row["turn_uncertainty"] = json_number(turn.uncertainty);
-  row["turn_convergence"] = word(turn.convergence);
+  row["turn_convergence"] = convergence_word(turn.convergence);
 }
 Json json_of(const std::optional<double>& number) { return number ? json_number(*number) : Json(); }
 
@@ -251,18 +368,18 @@ Json runs_json(const Answer& answer) {
 
 std::string audit_text(const Answer& answer) {
   std::string text = answer.program + "\n";
-  if (answer.bodies > 0) text += head_line(answer) + "\n";
+  if (answer.bodies > 0) text += audit_head(answer) + "\n";
   if (answer.parting) {
     const audit::Parting& parting = *answer.parting;
-    text += fmt::format(
-        "two unchanged runs part at step {}, t = {:.4g} s{}\n", parting.step, parting.t_s,
-        parting.body > 0 ? ", with " + called("body", parting.body, answer.body_names) : ", in what bodies there are");
+    text += fmt::format("two unchanged runs part at step {}, t = {:.4g} s{}\n", parting.step, parting.t_s,
+                        parting.body > 0 ? ", with " + body_name(answer, parting.body) : ", in what bodies there are");
   }
   if (!answer.reason.empty()) text += "no error can be told: " + answer.reason + "\n";
-  if (answer.reason.empty()) text += "\n" + errors_table(answer) + "\n" + answer_lines(answer);
+  if (answer.reason.empty()) text += "\n" + errors_table(answer) + "\n";
+  for (const auto& [name, what] : audit_lines(answer)) text += fmt::format("{:<9}  {}\n", name, what);
   if (answer.messages > 0) {
-    text += fmt::format("{:<9}  {}, the first: {}\n", "ODE says", count(answer.messages, "message", "messages"),
-                        answer.first_message);
+    text += fmt::format("{:<9}  {}, the first at {:.4g} s: {}\n", "ODE says",
+                        count(answer.messages, "message", "messages"), answer.first_message_t_s, answer.first_message);
   }
   for (std::size_t i = 0; i < std::min(answer.limits.size(), most_limits); ++i) {
     text += fmt::format("{:<9}  {}\n", i == 0 ? "limits" : "", answer.limits[i]);
@@ -296,7 +413,7 @@ std::string audit_json(const Answer& answer) {
   }
   const ErrorUntil* last = answer.error_at.empty() ? nullptr : &answer.error_at.back();
   json["order"] = last != nullptr ? json_of(last->order) : Json();
-  json["convergence"] = last != nullptr ? Json(word(last->convergence())) : Json();
+  json["convergence"] = last != nullptr ? Json(convergence_word(last->convergence())) : Json();
   json["until"] = json_number(answer.until_s);
   json["lost_at"] = json_of(answer.lost_at_s);
   json["growth"] = json_of(answer.growth);
@@ -309,6 +426,8 @@ std::string audit_json(const Answer& answer) {
   json["step_for"] = std::move(steps);
   json["settings"] = tried_json(answer);
   json["recommended"] = recommended_json(answer);
+  const audit::Tried* cheap = answer.error_at.empty() ? nullptr : cheapest(answer);
+  json["cheapest"] = cheap != nullptr ? Json(cheap->set) : Json();
   json["softness"] = json_of(answer.softness_m);
   json["energy"] = {{"begin", json_number(answer.energy.begin_J)},
                     {"end", json_number(answer.energy.end_J)},
@@ -318,6 +437,7 @@ std::string audit_json(const Answer& answer) {
                    {"gap", json_number(answer.gap.largest_m)},
                    {"contacts", answer.contacts},
                    {"depth", json_number(answer.depth_m)}};
+  add_ledger(answer, json);
   json["body_names"] = names_json(answer.body_names);
   json["joint_names"] = names_json(answer.joint_names);
   json["runs"] = runs_json(answer);
@@ -326,13 +446,20 @@ std::string audit_json(const Answer& answer) {
 }
 
 AuditSteps::AuditSteps(const std::filesystem::path& file) : file_(file) {
-  file_.write("world,t,kinetic,potential,energy,gap,contacts,depth,messages\n");
+  file_.write(
+      "world,t,kinetic,potential,energy,work_added,work_motors,work_joints,work_contacts,work_damping,gap,contacts,"
+      "depth,"
+      "messages\n");
 }
 
 void AuditSteps::add(const audit::StepRow& row) {
-  file_.write(fmt::format("{},{},{},{},{},{},{},{},{}\n", row.world, number_text(row.t_s), number_text(row.kinetic_J),
-                          number_text(row.potential_J), number_text(row.kinetic_J + row.potential_J),
-                          number_text(row.gap_m), row.contacts, number_text(row.depth_m), row.messages));
+  const audit::Work& work = row.work;
+  std::string line = std::to_string(row.world);
+  for (const double value : {row.t_s, row.kinetic_J, row.potential_J, row.kinetic_J + row.potential_J, work.added,
+                             work.motors, work.joints, work.contacts, work.damping, row.gap_m}) {
+    line += ',' + number_text(value);
+  }
+  file_.write(fmt::format("{},{},{},{}\n", line, row.contacts, number_text(row.depth_m), row.messages));
 }
 
 }  // namespace odeval

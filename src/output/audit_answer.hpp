@@ -2,11 +2,25 @@
 // The answer of an audit, for a terminal and for programs.
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "odeval/audit.hpp"
 #include "output/file.hpp"
 
 namespace odeval {
+
+/// "body 2", or "body 2 (left foot)".
+std::string body_name(const audit::Answer& answer, std::uint32_t body);
+std::string joint_name(const audit::Answer& answer, std::uint32_t joint);
+
+/// What ran: stepper, step, bodies, joints, how it ended.
+std::string audit_head(const audit::Answer& answer);
+const char* convergence_word(audit::Convergence convergence);
+
+/// What there is to say besides the errors, each under its name: "motion", "step".
+using AuditLines = std::vector<std::pair<std::string, std::string>>;
+AuditLines audit_lines(const audit::Answer& answer);
 
 /// At most 25 lines.
 std::string audit_text(const audit::Answer& answer);

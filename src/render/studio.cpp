@@ -92,7 +92,10 @@ std::vector<Panel> sheet_panels(std::size_t shots, int width, int height) {
 
 Studio::Studio(const Scenario& scenario, const View& view, int width, int height, const std::filesystem::path& font,
                std::span<const Pose> shown)
-    : stage_(make_stage(scenario, shown)),
+    : Studio(make_stage(scenario, shown), view, width, height, font) {}
+
+Studio::Studio(std::unique_ptr<Stage> stage, const View& view, int width, int height, const std::filesystem::path& font)
+    : stage_(std::move(stage)),
       view_(view),
       width_(width),
       height_(height),

@@ -43,6 +43,9 @@ class Studio {
   Studio(const Scenario& scenario, const View& view, int width, int height, const std::filesystem::path& font,
          std::span<const Pose> shown = {});
 
+  /// Of what is seen on a stage of its own.
+  Studio(std::unique_ptr<Stage> stage, const View& view, int width, int height, const std::filesystem::path& font);
+
   /// Whether a picture holds all of the links or bodies.
   bool shows(const Pose& pose) const;
 

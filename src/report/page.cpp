@@ -4,67 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
-#include <stdexcept>
 
-#include "odeval/error.hpp"
-#include "report/plot.hpp"
-#include "report/template.hpp"
+#include "report/sections.hpp"
 #include "report/text.hpp"
 
 namespace odeval::report {
 namespace {
 
-/// page.mustache and style.css. The palette is Okabe and Ito's, darkened on white and lightened on black until thin
-/// lines are seen, with four more (dashed where they are used) for its tail.
-constexpr Embedded layout[] = {
-#include "page_layout.inc"
-};
-
 constexpr std::string_view title = "How far can you trust the Open Dynamics Engine?";
-constexpr std::size_t long_rows = 24;  // a longer table scrolls under its head
-
-using Items = std::vector<Values>;
-
-/// Anchors of the page: each once.
-class Anchors {
- public:
-  /// Throws std::logic_error when the name is taken.
-  const std::string& take(const std::string& name) {
-    const auto [at, is_new] = taken_.insert(name);
-    if (!is_new) throw std::logic_error("two parts of the page are named '" + name + "'");
-    return *at;
-  }
-  /// The name, or one with its kind in front when the name is a section's.
-  const std::string& take(const std::string& kind, const std::string& name) {
-    return take(taken_.contains(name) ? kind + "-" + name : name);
-  }
-  bool has(std::string_view name) const { return taken_.contains(name); }
-
- private:
-  std::set<std::string, std::less<>> taken_;
-};
-
-/// Reasons for missing cells, lettered below their table.
-class Footnotes {
- public:
-  std::string mark(const std::string& why) {
-    auto at = std::ranges::find(reasons_, why);
-    if (at == reasons_.end()) at = reasons_.insert(at, why);
-    return letter(static_cast<std::size_t>(at - reasons_.begin()));
-  }
-  Items all() const {
-    Items all;
-    for (std::size_t i = 0; i < reasons_.size(); ++i) all.push_back({{"letter", letter(i)}, {"why", reasons_[i]}});
-    return all;
-  }
-
- private:
-  static std::string letter(std::size_t number) {
-    return number < 26 ? std::string(1, static_cast<char>('a' + number)) : std::to_string(number + 1);
-  }
-  std::vector<std::string> reasons_;
-};
 
 bool usable(const Finding* finding) { return finding != nullptr && finding->value && std::isfinite(*finding->value); }
 
@@ -81,68 +28,6 @@ Values verdict_values(const Judged& judged) {
           {"verdict_class", verdict_class}};
 }
 
-Values cell_values(const Cell& cell, Footnotes& notes) {
-  if (const std::string* const text = std::get_if<std::string>(&cell)) {
-    const bool one_word = text->find(' ') == std::string::npos;  // a name, which no hyphen may break
-    return {{"class", one_word ? "whole" : ""}, {"text", *text}, {"mark", ""}};
-  }
-  if (const double* const number = std::get_if<double>(&cell); number != nullptr && std::isfinite(*number)) {
-    return {{"class", "number"}, {"text", shown(*number)}, {"mark", ""}};
-  }
-  const Missing* const missing = std::get_if<Missing>(&cell);
-  const std::string mark = notes.mark(missing != nullptr ? missing->why : "no finite number");
-  return {{"class", "number"}, {"text", ""}, {"mark", mark}};
-}
-
-/// Whether a column has numbers, so that its head stands above their right ends.
-bool is_numeric(const Table& table, std::size_t column) {
-  return std::ranges::any_of(table.rows, [column](const std::vector<Cell>& row) {
-    return column < row.size() && !std::holds_alternative<std::string>(row[column]);
-  });
-}
-
-/// Each label and look once.
-Items legend(const Figure& figure, const std::vector<std::vector<Look>>& looks) {
-  struct Entry {
-    std::string label;
-    Look look;
-    bool drawn;
-  };
-  std::vector<Entry> entries;
-  for (std::size_t p = 0; p < figure.panels.size(); ++p) {
-    const Panel& panel = figure.panels[p];
-    for (std::size_t s = 0; s < panel.series.size(); ++s) {
-      const Series& series = panel.series[s];
-      const bool drawn = report::has_points(series, panel);
-      const auto known = std::ranges::find_if(
-          entries, [&](const Entry& entry) { return entry.label == series.label && entry.look == looks[p][s]; });
-      if (known != entries.end()) {
-        known->drawn = known->drawn || drawn;
-      } else if (!series.label.empty()) {
-        entries.push_back({series.label, looks[p][s], drawn});
-      }
-    }
-  }
-  Items items;
-  for (const Entry& entry : entries) {
-    items.push_back({{"swatch", swatch_svg(entry.look)}, {"label", entry.label}, {"undrawn", !entry.drawn}});
-  }
-  return items;
-}
-
-/// The reasons of its shades, each once, to be put behind its caption.
-std::string shades(const Figure& figure) {
-  std::string all;
-  std::vector<std::string> said;
-  for (const Panel& panel : figure.panels) {
-    const std::string text = shade_text(panel);
-    if (text.empty() || std::ranges::find(said, text) != said.end()) continue;
-    said.push_back(text);
-    all += " " + text + (text.ends_with('.') ? "" : ".");
-  }
-  return all;
-}
-
 /// Gathers what the template of the page names.
 class Writer {
  public:
@@ -150,36 +35,29 @@ class Writer {
       : document_(document), verdicts_(verdicts), findings_(findings) {}
 
   Page write() {
-    for (const char* const fixed : {"rules", "findings", "files", "made-with"}) anchors_.take(fixed);
+    for (const char* const fixed : {"verdicts", "rules", "findings", "files", "made-with"}) anchors_.take(fixed);
     for (const Judged& judged : verdicts_) anchors_.take(claim_anchor(*judged.claim));
-    const Section verdicts{"verdicts", "What of the 2010 report holds", {}};
-    std::vector<const Section*> front;
-    for (const Section& section : document_.front) front.push_back(&section);
-    front.push_back(&verdicts);
-    for (const Section* section : front) anchors_.take(section->name);
-    for (const Section& section : document_.sections) anchors_.take(section.name);
-    Items sections;  // first, since links are made to what is there
-    for (const Section* section : front) sections.push_back(section_values(*section, section == &verdicts, false));
-    for (const Section& section : document_.sections) sections.push_back(section_values(section, false, true));
-    Items front_links;
-    for (const Section* section : front) front_links.push_back(link_values(*section));
-    Items evidence_links;
-    for (const Section& section : document_.sections) evidence_links.push_back(link_values(section));
+    for (const auto& sections : {&document_.front, &document_.sections}) {
+      for (const Section& section : *sections) anchors_.take(section.name);
+    }
+    Items front;  // first, since links are made to what is there
+    for (const Section& section : document_.front) front.push_back(writer_.values(section, csv_of));
+    Items folded;
+    for (const Section& section : document_.sections) folded.push_back(evidence_values(section));
     const Values values{{"title", title},
-                        {"style", text_of(layout, "style")},
+                        {"style", page_layout("style")},
                         {"command", document_.command},
                         {"number_of_claims", verdicts_.size()},
                         {"tally", tally()},
                         {"claims", claims()},
-                        {"front", std::move(front_links)},
-                        {"folded", std::move(evidence_links)},
-                        {"sections", std::move(sections)},
+                        {"front", std::move(front)},
+                        {"folded", std::move(folded)},
                         {"many_findings", findings_.all().size() > long_rows},
                         {"findings", all_findings()},
                         {"has_files", !document_.files.empty()},
                         {"files", files()},
                         {"environment", environment()}};
-    return {filled("page", text_of(layout, "page"), values, escaped), std::move(missing_)};
+    return {filled("page", page_layout("page"), values, escaped), writer_.missing()};
   }
 
  private:
@@ -238,19 +116,10 @@ class Writer {
     return items;
   }
 
-  static Values link_values(const Section& section) { return {{"name", section.name}, {"title", section.title}}; }
-
-  Values section_values(const Section& section, bool is_claims, bool folds) {
-    const Items settled = settles(section);
-    Items blocks;
-    for (const Block& block : section.blocks) {
-      Values values{
-          {"paragraph", ""}, {"table", Items{}}, {"figure", Items{}}, {"picture", Items{}}, {"highlight", Items{}}};
-      std::visit([&](const auto& one) { add_block(values, one); }, block);
-      blocks.push_back(std::move(values));
-    }
-    return {{"name", section.name},      {"title", section.title}, {"is_front", !folds},         {"folds", folds},
-            {"claims_table", is_claims}, {"settles", settled},     {"blocks", std::move(blocks)}};
+  Values evidence_values(const Section& section) {
+    Values values = writer_.values(section, csv_of);
+    values.insert({"settles", settles(section)});
+    return values;
   }
 
   /// The claims that a section is the evidence for.
@@ -260,84 +129,6 @@ class Writer {
       if (judged.claim->evidence == section.name) items.push_back(verdict_values(judged));
     }
     return items;
-  }
-
-  void add_block(Values& block, const Text& text) { block.insert_or_assign("paragraph", text.text); }
-
-  void add_block(Values& block, const Table& table) {
-    if (!tables_.insert(table.name).second) throw std::logic_error("two tables are named '" + table.name + "'");
-    Items columns;
-    for (std::size_t i = 0; i < table.columns.size(); ++i) {
-      columns.push_back({{"numeric", is_numeric(table, i)}, {"text", table.columns[i]}});
-    }
-    Footnotes notes;
-    Items rows;
-    for (const auto& row : table.rows) {
-      Items cells;
-      for (const Cell& cell : row) cells.push_back(cell_values(cell, notes));
-      for (Values& cell : cells) cell.insert({"anchor", ""});
-      if (rows.size() < table.evidence.size()) cells.front().insert_or_assign("anchor", table.evidence[rows.size()]);
-      rows.push_back({{"cells", std::move(cells)}});
-    }
-    block.insert_or_assign("table", Items{{{"id", anchors_.take("table", table.name)},
-                                           {"title", table.title},
-                                           {"csv", csv_of(table)},
-                                           {"long", table.rows.size() > long_rows},
-                                           {"columns", std::move(columns)},
-                                           {"rows", std::move(rows)},
-                                           {"footnotes", notes.all()},
-                                           {"note", table.note}}});
-  }
-
-  Values panel_values(const Figure& figure, std::size_t number, const std::vector<Look>& looks, const std::string& id) {
-    const Panel& panel = figure.panels[number];
-    std::string plot;
-    std::string why_not;
-    try {
-      if (has_points(panel)) {
-        plot = plot_svg(panel, looks, fmt::format("{}-{}", id, number + 1));
-      } else {
-        why_not = "there is no number to draw";
-      }
-    } catch (const MachineError& error) {
-      why_not = error.what();
-    }
-    if (!why_not.empty()) missing_.push_back(fmt::format("{}: {}", figure.name, why_not));
-    return {{"plot", plot}, {"why_not", why_not}, {"x", panel.x_label}, {"y", panel.y_label}};
-  }
-
-  void add_block(Values& block, const Figure& figure) {
-    const std::string id = anchors_.take("figure", figure.name);
-    const auto looks = looks_of(figure);
-    Items panels;
-    for (std::size_t i = 0; i < figure.panels.size(); ++i) panels.push_back(panel_values(figure, i, looks[i], id));
-    const Items labels = legend(figure, looks);
-    block.insert_or_assign("figure", Items{{{"id", id},
-                                            {"columns", std::clamp(figure.columns, 1, 4)},
-                                            {"panels", std::move(panels)},
-                                            {"has_legend", !labels.empty()},
-                                            {"legend", labels},
-                                            {"title", figure.title},
-                                            {"caption", figure.caption + shades(figure)}}});
-  }
-
-  void add_block(Values& block, const Picture& picture) {
-    block.insert_or_assign("picture", Items{{{"id", anchors_.take("picture", picture.name)},
-                                             {"png", base64(picture.png)},
-                                             {"title", picture.title},
-                                             {"caption", picture.caption}}});
-  }
-
-  void add_block(Values& block, const Highlight& highlight) {
-    const Figure& figure = highlight.figure;
-    const std::string id = anchors_.take("short", figure.name);
-    const auto looks = looks_of(figure);
-    Values values = panel_values(figure, 0, looks[0], id);
-    values.insert({{"id", id},
-                   {"sentence", highlight.sentence},
-                   {"evidence", highlight.evidence},
-                   {"legend", legend(figure, looks)}});
-    block.insert_or_assign("highlight", Items{std::move(values)});
   }
 
   Items all_findings() const {
@@ -373,8 +164,7 @@ class Writer {
   const std::vector<Judged>& verdicts_;
   const Findings& findings_;
   Anchors anchors_;
-  std::set<std::string> tables_;
-  std::vector<std::string> missing_;
+  SectionWriter writer_{anchors_};
 };
 
 }  // namespace

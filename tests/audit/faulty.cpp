@@ -3,9 +3,11 @@
 //   faulty FAULT [STEPS]
 #include <ode/ode.h>
 #include <sys/resource.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -51,8 +53,33 @@ void collide() {
   }
 }
 
+/// Since the call before, by one clock after the other.
+double elapsed() {
+  static double last = 0;
+  timespec fine{};
+  ::clock_gettime(CLOCK_MONOTONIC, &fine);
+  timeval coarse{};
+  ::gettimeofday(&coarse, nullptr);
+  static const long begin = coarse.tv_sec;
+  const double of_chrono = std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  const double sum = static_cast<double>(fine.tv_sec) + 1e-9 * static_cast<double>(fine.tv_nsec) +
+                     static_cast<double>(coarse.tv_sec - begin) + 1e-6 * static_cast<double>(coarse.tv_usec) +
+                     of_chrono;
+  const double since = last == 0 ? 0 : sum - last;
+  last = sum;
+  return since;
+}
+
 void step() {
   collide();
+  if (is("clock")) {
+    ::usleep(200);
+    const double h = elapsed() / 3;
+    if (h > 0) dWorldStep(world, h);
+    dJointGroupEmpty(contacts);
+    ++now;
+    return;
+  }
   dWorldStep(world, 0.001);
   dJointGroupEmpty(contacts);
   ++now;

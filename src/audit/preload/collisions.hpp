@@ -19,6 +19,15 @@ class Collisions {
   /// Whether what the program gave to its callback is still there, as far as one can see: nothing of a function that
   /// has returned.
   bool can_be_repeated(const void* frame_of_step) const;
+  /// Calls `take` with each space in them.
+  template <class Take>
+  void each_space(const Take& take) const {
+    for (const Call& call : calls_) {
+      for (dGeomID geom : {call.first, call.second}) {
+        if (geom != nullptr && dGeomIsSpace(geom) != 0) take(reinterpret_cast<dSpaceID>(geom));
+      }
+    }
+  }
   /// Those that meet bodies of this world.
   void repeat(dWorldID world, bool only_world) const;
 

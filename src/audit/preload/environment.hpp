@@ -12,7 +12,14 @@ inline constexpr const char* until = "ODEVAL_AUDIT_UNTIL";            // simulat
 inline constexpr const char* set = "ODEVAL_AUDIT_SET";                // "erp=0.8,stepper=quick", of `tries`
 inline constexpr const char* move = "ODEVAL_AUDIT_MOVE";              // m, bodies at the start
 inline constexpr const char* record = "ODEVAL_AUDIT_RECORD";          // file; without it nothing is recorded
+inline constexpr const char* ledger = "ODEVAL_AUDIT_LEDGER";          // "1": works, joints, contacts and geoms as well
 inline constexpr const char* most_bytes = "ODEVAL_AUDIT_MOST_BYTES";  // of the file
+
+// Of the simulated clock, a library of its own.
+inline constexpr const char* tick = "ODEVAL_AUDIT_TICK";  // s, of a reading before which nothing was simulated
+
+// Of the step that stepper=accurate stands for.
+inline constexpr const char* accurate = "ODEVAL_AUDIT_ACCURATE";  // its library's file
 
 /// A setting of the program that can be tried otherwise: a number within a range, or one of the words.
 struct Try {
@@ -28,7 +35,7 @@ inline constexpr std::array tries{
     Try{"w", 1e-3, 2, ""},
     Try{"max_correcting_vel", 0, 1e9, ""},
     Try{"surface_layer", 0, 1e9, ""},
-    Try{"stepper", 0, 0, "step,quick"},
+    Try{"stepper", 0, 0, "step,quick,accurate"},
     Try{"rotation", 0, 0, "finite,infinitesimal"},
     Try{"start", 0, 0, "half-step"},
 };

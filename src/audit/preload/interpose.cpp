@@ -54,8 +54,9 @@ dJointID dJointCreateContact(dWorldID world, dJointGroupID group, const dContact
   Session& session = Session::get();
   if (!session.follows()) return ODEVAL_OWN(dJointCreateContact)(world, group, contact);
   const dContact part = session.softened(world, *contact);
-  session.worlds().add_contact(world, part, group, session.in_callback());
-  return ODEVAL_OWN(dJointCreateContact)(world, group, &part);
+  dJointID joint = ODEVAL_OWN(dJointCreateContact)(world, group, &part);
+  session.worlds().add_contact(world, joint, part, group, session.in_callback());
+  return joint;
 }
 
 void dJointDestroy(dJointID joint) {

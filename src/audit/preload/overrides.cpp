@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "audit/preload/own.hpp"
+#include "audit/preload/session.hpp"
 
 namespace odeval::audit {
 namespace {
@@ -93,6 +94,7 @@ void Overrides::apply(World& world) const {
 
 Overrides::Stepper Overrides::chosen(Stepper of_program) const {
   if (says("stepper", "quick")) return ODEVAL_OWN(dWorldQuickStep);
+  if (says("stepper", "accurate")) return Session::accurately;
   if (says("stepper", "step")) return ODEVAL_OWN(dWorldStep);
   return of_program;
 }

@@ -2,26 +2,17 @@
 
 #include <fcntl.h>
 #include <sys/mman.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
 
+#include "audit/preload/rows.hpp"
+
 namespace odeval::audit {
 namespace {
 
 constexpr std::size_t piece_bytes = 1 << 20;
-
-/// A piece of the file in memory, with room for it on the disk; null when there is none. Growing beyond the limit of
-/// the process would be a signal.
-void* mapped(int descriptor, std::size_t begin, std::size_t bytes) {
-  rlimit limit{};
-  if (::getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur < begin + bytes) return nullptr;
-  if (::posix_fallocate(descriptor, static_cast<off_t>(begin), static_cast<off_t>(bytes)) != 0) return nullptr;
-  void* place = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, static_cast<off_t>(begin));
-  return place == MAP_FAILED ? nullptr : place;
-}
 
 /// Another process of the program was first.
 void tell_the_first(const std::string& file) {

@@ -21,6 +21,8 @@ enum Remark : std::uint32_t {
   reached_until = 1 << 4,      // the simulated time asked for: the program was ended there
   contacts_stayed = 1 << 5,    // over some steps, since what made them could not be called again
   steps_in_vain = 1 << 6,      // dWorldStep returned 0
+  not_accurately = 1 << 8,  // the accurate step can not take it, and last_words says why: the program was ended there
+  too_many_parts = 1 << 7,  // joints, pairs of bodies or geoms, so that some are not told of
 };
 
 struct Head {
@@ -28,7 +30,14 @@ struct Head {
   std::uint64_t committed;  // bytes of whole frames behind the head
   std::uint32_t remarks;    // of Remark
   std::uint32_t refinement;
+  // Of the first world that steps, before it does, without what is tried in their place:
+  double erp;
+  double cfm;
+  double w;
+  std::uint32_t iterations;
+  std::uint32_t nothing;
   std::uint64_t messages;   // of ODE
+  double gravity[3];        // m/s², of the first world that steps, before it does
   char first_message[256];  // of ODE; empty: none
   char last_words[256];     // of ODE before it aborts; empty: none
 };
@@ -51,6 +60,12 @@ struct Frame {
   std::uint32_t messages;  // of ODE in the step
   double depth;            // m, the largest of those contacts
   double ode_s;            // in the step, collision detection and contacts that were made anew within it included
+  // Work since the start of the world, J, where there is a ledger:
+  double work_added;   // by forces and torques of the program
+  double work_motors;  // and stops
+  double work_joints;  // otherwise
+  double work_contacts;
+  double work_damping;
 };
 
 struct BodySample {
@@ -61,6 +76,51 @@ struct BodySample {
   double velocity[3];
   double spin[3];
 };
+
+/// A joint, or all contacts between two bodies, and what it came to at most. Beside the record in a file of
+/// `parts_ending`, until a row of zeros.
+struct PartSample {
+  std::uint32_t type;            // dJointType
+  std::uint32_t number;          // of a joint, in order of creation
+  std::uint32_t bodies[2];       // in order of creation, from 1; 0: the world
+  std::uint64_t steps;           // that it was there
+  double largest_m;              // gap, or depth
+  double largest_t;              // s
+  double force;                  // N, on a body, of a contact the normal one
+  double torque;                 // N m
+  double work;                   // J, on both bodies
+  double motor_work;             // J, of it by motors and stops
+  std::uint64_t steps_at_limit;  // of a motor
+  std::uint64_t steps_at_stop;
+  double friction_share;        // of what friction may be
+  std::uint64_t steps_sliding;  // with all of it
+  std::uint64_t steps_rough;    // with a limit to friction
+  std::uint64_t nothing[2];     // to be as long as a power of two
+};
+static_assert(sizeof(PartSample) == 128);
+constexpr const char* parts_ending = ".parts";
+
+/// A geom, beside the record in a file of `shapes_ending`, until a row of zeros.
+struct ShapeSample {
+  std::uint32_t kind;    // of Kind
+  std::uint32_t body;    // in order of creation, from 1; 0: it stands in the world
+  double size[3];        // m: sides; radius and length; of a plane its normal
+  double position[3];    // of its centre, in the body's frame; of a plane its distance from the origin
+  double quaternion[4];  // likewise
+  double nothing[5];     // to be as long as a power of two
+
+  enum Kind : std::uint32_t {
+    none,
+    box,
+    sphere,
+    capsule,
+    cylinder,
+    plane,
+    bounds
+  };  // bounds: of any other, when first seen
+};
+static_assert(sizeof(ShapeSample) == 128);
+constexpr const char* shapes_ending = ".shapes";
 
 /// What the program calls its bodies and joints stands beside the record, in a file of this ending: a line each, "body"
 /// or "joint", its number and the name.

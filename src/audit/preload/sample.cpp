@@ -118,6 +118,10 @@ const std::vector<char>& Sampler::take(World& world, const Step& step) {
   frame.gap_joint = -1;
   for (Joint& joint : world.joints) {
     const double its = gap(joint);
+    if (joint.part != nullptr && its > joint.part->largest_m) {
+      joint.part->largest_m = its;
+      joint.part->largest_t = world.t;
+    }
     if (its <= frame.gap) continue;
     frame.gap = its;
     frame.gap_joint = static_cast<std::int32_t>(joint.number);
@@ -136,6 +140,11 @@ const std::vector<char>& Sampler::take(World& world, const Step& step) {
   frame.messages = step.messages;
   frame.depth = world.depth;
   frame.ode_s = step.ode_s;
+  frame.work_added = world.work.added;
+  frame.work_motors = world.work.motors;
+  frame.work_joints = world.work.joints;
+  frame.work_contacts = world.work.contacts;
+  frame.work_damping = world.work.damping;
   std::memcpy(bytes_.data(), &frame, sizeof frame);
   return bytes_;
 }

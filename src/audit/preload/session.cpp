@@ -10,6 +10,8 @@
 #include <ctime>
 #include <new>
 
+#include "audit/preload/clock.hpp"
+#include "audit/preload/environment.hpp"
 #include "audit/preload/own.hpp"
 #include "audit/preload/softness.hpp"
 
@@ -79,9 +81,16 @@ void* behind(const char* name) {
   return found;
 }
 
+/// Whose clock is not simulated.
+void* libc() {
+  void* found = ::dlopen("libc.so.6", RTLD_LAZY | RTLD_NOLOAD);
+  return found == nullptr ? RTLD_DEFAULT : found;
+}
+
 double steady_s() {
   timespec now{};
-  ::clock_gettime(CLOCK_MONOTONIC, &now);
+  static const auto real = reinterpret_cast<decltype(&::clock_gettime)>(::dlsym(libc(), "clock_gettime"));
+  real(CLOCK_MONOTONIC, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
@@ -99,6 +108,10 @@ Session::Session()
   if (!follows_) {
     record_.remark(single_precision);
     return;
+  }
+  if (settings_.ledger) {
+    ledger_.emplace(settings_.record);
+    worlds_.follow_touches();
   }
   ::pthread_atfork(nullptr, nullptr, [] { get().leave_to_parent(); });
   ODEVAL_OWN(dSetMessageHandler)(take_message);
@@ -148,12 +161,45 @@ void Session::end(Remark why) {
   ::_exit(0);
 }
 
+void Session::describe(const World& world) {
+  Head* head = record_.head();
+  if (head == nullptr || world.number != 0) return;
+  head->refinement = static_cast<std::uint32_t>(settings_.refinement);
+  dVector3 gravity;
+  dWorldGetGravity(world.id, gravity);
+  std::copy_n(gravity, 3, head->gravity);
+  head->erp = dWorldGetERP(world.id);
+  head->cfm = dWorldGetCFM(world.id);
+  head->w = dWorldGetQuickStepW(world.id);
+  head->iterations = static_cast<std::uint32_t>(dWorldGetQuickStepNumIterations(world.id));
+}
+
+int Session::accurately(dWorldID id, dReal h) {
+  using Step = int (*)(dWorldID, const dBodyID*, std::size_t, double, char*, std::size_t);
+  static const auto step = [] {
+    const char* file = std::getenv(environment::accurate);
+    void* library = file == nullptr ? nullptr : ::dlopen(file, RTLD_NOW | RTLD_LOCAL);
+    return reinterpret_cast<Step>(library == nullptr ? nullptr : ::dlsym(library, "odeval_accurate_step_of"));
+  }();
+  Session& session = get();
+  const World& world = session.worlds_.of(id);
+  std::vector<dBodyID> bodies;
+  for (const Body& body : world.bodies) bodies.push_back(body.id);
+  char why[sizeof(Head::last_words)] = "contacts are made by the program's own callback";
+  if (world.contacts == 0 && step != nullptr && step(id, bodies.data(), bodies.size(), h, why, sizeof why) != 0)
+    return 1;
+  if (Head* head = session.record_.head()) std::copy(std::begin(why), std::end(why), head->last_words);
+  session.end(not_accurately);
+}
+
 void Session::first_step(World& world, dReal h, Stepper stepper, bool quick) {
-  if (Head* head = record_.head()) head->refinement = static_cast<std::uint32_t>(settings_.refinement);
   if (settings_.move_m != 0) {
     for (const Body& body : world.bodies) move(body, settings_.move_m);
   }
   overrides_.begin(world, h, stepper);
+  if (ledger_ && world.number == 0) {
+    collisions_.each_space([this](dSpaceID space) { ledger_->draw_space(space); });
+  }
   const auto& frame = sampler_.take(world, {.quick = quick});
   record_.add(frame.data(), frame.size());
 }
@@ -162,16 +208,14 @@ int Session::step(dWorldID id, dReal h, Stepper stepper, bool quick, const void*
   if (!follows_) return stepper(id, h);
   check_thread();
   World& world = worlds_.of(id);
+  if (world.steps == 0) describe(world);
   stepper = overrides_.chosen(stepper);
   overrides_.apply(world);
   if (world.steps == 0) first_step(world, h, stepper, quick);
-  const double begun_s = steady_s();
-  const int result = settings_.refinement > 1 ? parts(world, h, stepper, frame_of_step) : stepper(id, h);
+  const int result = settings_.refinement > 1 ? parts(world, h, stepper, frame_of_step) : whole(world, h, stepper);
   if (result == 0) record_.remark(steps_in_vain);
-  ++world.steps;
-  world.t += h;
   if (record_.head() != nullptr) {
-    const double ode_s = steady_s() - begun_s + collide_s_;
+    const double ode_s = ode_s_ + collide_s_;
     const auto& frame = sampler_.take(world, {.h = h, .quick = quick, .messages = messages_, .ode_s = ode_s});
     record_.add(frame.data(), frame.size());
   }
@@ -181,12 +225,30 @@ int Session::step(dWorldID id, dReal h, Stepper stepper, bool quick, const void*
   world.depth = 0;
   collisions_.clear();
   worlds_.age();
+  if (&odeval_simulated_s != nullptr) odeval_simulated_s = std::max(odeval_simulated_s.load(), world.t);
   constexpr double rounding = 1e-9;  // of the sum of a million steps
   if (settings_.until_s > 0 && world.t >= settings_.until_s * (1 - rounding)) end(reached_until);
   return result;
 }
 
+int Session::whole(World& world, dReal h, Stepper stepper) {
+  std::optional<Ledger::Step> step;
+  if (ledger_ && record_.head() != nullptr) {
+    ledger_->draw(world);
+    step.emplace(*ledger_, world);
+  }
+  const double begun_s = steady_s();
+  const int result = stepper(world.id, h);
+  ode_s_ = steady_s() - begun_s;
+  ++world.steps;
+  world.t += h;
+  if (step) step->taken(h);
+  if (ledger_ && ledger_->overflowed()) record_.remark(too_many_parts);
+  return result;
+}
+
 int Session::parts(World& world, dReal h, Stepper stepper, const void* frame_of_step) {
+  const double begun_s = steady_s();
   const int k = settings_.refinement;
   world.keep_forces();
   Feedback feedback(world);
@@ -206,6 +268,9 @@ int Session::parts(World& world, dReal h, Stepper stepper, const void* frame_of_
   }
   feedback.hand_over();
   dRandSetSeed(seed);  // what the program draws next is what it would have drawn
+  ode_s_ = steady_s() - begun_s;
+  ++world.steps;
+  world.t += h;
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "audit/preload/collisions.hpp"
+#include "audit/preload/ledger.hpp"
 #include "audit/preload/overrides.hpp"
 #include "audit/preload/record.hpp"
 #include "audit/preload/sample.hpp"
@@ -49,11 +50,17 @@ class Session {
   void name(dBodyID body, const char* name);
   void name(dJointID joint, const char* name);
 
+  /// A step by the accurate step, with no bits of ODE's in it. Ends the program where it can not.
+  static int accurately(dWorldID world, dReal h);
+
   void leave_to_parent() { record_.leave_to_parent(); }
 
  private:
   Session();
+  void describe(const World& world);
   void first_step(World& world, dReal h, Stepper stepper, bool quick);
+  /// One of ODE's, with a ledger where there is one.
+  int whole(World& world, dReal h, Stepper stepper);
   int parts(World& world, dReal h, Stepper stepper, const void* frame_of_step);
   void renew_contacts(World& world, const void* frame_of_step);
   void check_thread();
@@ -62,12 +69,14 @@ class Session {
   Settings settings_;
   bool follows_;
   Record record_;
+  std::optional<Ledger> ledger_;
   Overrides overrides_;
   Worlds worlds_;
   Collisions collisions_;
   Sampler sampler_;
   int collide_depth_ = 0;
   double collide_s_ = 0;  // since the last step
+  double ode_s_ = 0;      // of the step
   std::uint32_t messages_ = 0;
   std::optional<pthread_t> stepping_thread_;
 };

@@ -28,6 +28,7 @@ Settings read_settings() {
   settings.set = word(environment::set);
   settings.move_m = number(environment::move, settings.move_m);
   settings.record = word(environment::record);
+  settings.ledger = word(environment::ledger) == "1" && settings.refinement == 1 && !settings.record.empty();
   settings.most_bytes = number(environment::most_bytes, settings.most_bytes);
   return settings;
 }

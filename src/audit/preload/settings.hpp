@@ -12,6 +12,7 @@ struct Settings {
   std::string set;             // in place of the program's settings
   double move_m = 0;           // bodies at the start
   std::string record;          // file; empty: nothing is recorded
+  bool ledger = false;         // of what acts on the bodies; needs the record and a refinement of 1
   double most_bytes = 0;       // of the record; 0: as many as there are
 };
 

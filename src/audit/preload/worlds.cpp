@@ -42,8 +42,9 @@ void Worlds::add(dWorldID world, dJointID joint, dJointType type, dJointGroupID 
   if (group != nullptr) ++of(group).other;
 }
 
-void Worlds::add_contact(dWorldID world, const dContact& contact, dJointGroupID group, bool renewable) {
+void Worlds::add_contact(dWorldID world, dJointID joint, const dContact& contact, dJointGroupID group, bool renewable) {
   World& its = of(world);
+  if (follows_touches_) its.touches.push_back({.id = joint, .group = group, .contact = contact});
   ++its.contacts;
   its.depth = std::max(its.depth, contact.geom.depth);
   if (group == nullptr) {
@@ -58,6 +59,7 @@ void Worlds::add_contact(dWorldID world, const dContact& contact, dJointGroupID 
 void Worlds::forget(dJointID joint) {
   for (World& world : worlds_) {
     if (std::erase_if(world.joints, [joint](const Joint& one) { return one.id == joint; }) > 0) return;
+    if (std::erase_if(world.touches, [joint](const Touch& one) { return one.id == joint; }) > 0) return;
   }
 }
 
@@ -74,6 +76,7 @@ void Worlds::empty(dJointGroupID group) {
   of(group) = {.id = group};
   for (World& world : worlds_) {
     std::erase_if(world.joints, [group](const Joint& one) { return one.group == group; });
+    std::erase_if(world.touches, [group](const Touch& one) { return one.group == group; });
   }
 }
 

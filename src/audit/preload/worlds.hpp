@@ -17,10 +17,16 @@ struct Changed {
   dReal before;
 };
 
+struct PartSample;
+
 struct Body {
   dBodyID id;
   std::uint32_t number;  // in order of creation, of all worlds
-  Triple force{};        // what the program has added for the step
+  bool drawn = false;    // its geoms are told of
+  bool moves = true;     // it is not kinematic
+  Triple velocity{};     // before the step; then the mean over it, as of the next
+  Triple spin{};
+  Triple force{};  // what the program has added for the step
   Triple torque{};
   std::array<dReal, 2> damping{};  // linear, angular, and the steps until it is disabled, while they are changed
   int steps_to_rest = 0;
@@ -30,11 +36,21 @@ struct Joint {
   dJointID id;
   std::uint32_t number;  // in order of creation, of all worlds
   dJointType type;
-  dJointGroupID group;             // 0: none
-  bool seen = false;               // by `gap`
-  Triple offset{};                 // then: of the bodies, in the frame of the first
-  dJointFeedback feedback{};       // sum over the parts of a step
-  std::vector<Changed> changed{};  // parameters, while they are
+  dJointGroupID group;                  // 0: none
+  bool seen = false;                    // by `gap`
+  Triple offset{};                      // then: of the bodies, in the frame of the first
+  dJointFeedback feedback{};            // sum over the parts of a step
+  std::vector<Changed> changed{};       // parameters, while they are
+  PartSample* part = nullptr;           // of the ledger
+  std::array<std::size_t, 2> places{};  // of its bodies in the world's, if they still are there
+};
+
+/// A contact that is there, for the ledger.
+struct Touch {
+  dJointID id;
+  dJointGroupID group;
+  dContact contact;
+  dJointFeedback feedback{};
 };
 
 struct World {
@@ -43,9 +59,17 @@ struct World {
   std::uint64_t steps = 0;
   double t = 0;
   std::vector<Body> bodies{};
-  std::vector<Joint> joints{};  // no contacts
-  std::uint32_t contacts = 0;   // made since the last step
-  dReal depth = 0;              // the largest of them
+  std::vector<Joint> joints{};   // no contacts
+  std::vector<Touch> touches{};  // while they are followed
+  std::uint32_t contacts = 0;    // made since the last step
+  dReal depth = 0;               // the largest of them
+  struct {
+    double added = 0;
+    double motors = 0;
+    double joints = 0;
+    double contacts = 0;
+    double damping = 0;
+  } work{};  // since the start, J
 
   void keep_forces();
   void put_forces_back();
@@ -67,7 +91,8 @@ class Worlds {
   void forget(dBodyID body);
 
   void add(dWorldID world, dJointID joint, dJointType type, dJointGroupID group);
-  void add_contact(dWorldID world, const dContact& contact, dJointGroupID group, bool renewable);
+  void follow_touches() { follows_touches_ = true; }
+  void add_contact(dWorldID world, dJointID joint, const dContact& contact, dJointGroupID group, bool renewable);
   void forget(dJointID joint);
   const Joint* find(dJointID joint) const;  // null where it is not followed
   void empty(dJointGroupID group);
@@ -88,6 +113,7 @@ class Worlds {
   std::uint32_t worlds_made_ = 0;
   std::uint32_t bodies_made_ = 0;
   std::uint32_t joints_made_ = 0;
+  bool follows_touches_ = false;
   bool loose_ = false;  // contacts were made since the last step that are in no group
 };
 

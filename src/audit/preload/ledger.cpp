@@ -1,0 +1,375 @@
+#include "audit/preload/ledger.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "audit/preload/axes.hpp"
+
+namespace odeval::audit {
+namespace {
+
+double dot(const dReal* a, const dReal* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double length(const dReal* a) { return std::sqrt(dot(a, a)); }
+
+/// One that ODE is asked to tell of, where the program does not ask itself.
+void ask(dJointID joint, dJointFeedback& own) {
+  if (dJointGetFeedback(joint) != nullptr) return;
+  own = {};
+  dJointSetFeedback(joint, &own);
+}
+
+void ask_no_more(dJointID joint, const dJointFeedback& own) {
+  if (dJointGetFeedback(joint) == &own) dJointSetFeedback(joint, nullptr);
+}
+
+/// The body's velocity as the step left it, before it was damped: by a factor, where it was above a threshold.
+double undamped(const dReal* after, double scale, double threshold) {
+  if (scale == 0 || scale == 1) return 1;
+  const double before = length(after) / (1 - scale);
+  return before > threshold ? 1 / (1 - scale) : 1;
+}
+
+/// Energy of a body's velocity and spin by these factors of them, beyond what it has.
+double energy_beyond(const Body& body, double of_velocity, double of_spin) {
+  if (of_velocity == 1 && of_spin == 1) return 0;
+  dMass mass;
+  dBodyGetMass(body.id, &mass);
+  const dReal* velocity = dBodyGetLinearVel(body.id);
+  dVector3 spin;
+  dVector3 momentum;
+  dMultiply1_331(spin, dBodyGetRotation(body.id), dBodyGetAngularVel(body.id));
+  dMultiply0_331(momentum, mass.I, spin);
+  return 0.5 * ((of_velocity * of_velocity - 1) * mass.mass * dot(velocity, velocity) +
+                (of_spin * of_spin - 1) * dot(spin, momentum));
+}
+
+void keep_velocities(Body& body) {
+  std::copy_n(dBodyGetLinearVel(body.id), 3, body.velocity.begin());
+  std::copy_n(dBodyGetAngularVel(body.id), 3, body.spin.begin());
+  std::copy_n(dBodyGetForce(body.id), 3, body.force.begin());
+  std::copy_n(dBodyGetTorque(body.id), 3, body.torque.begin());
+  body.moves = dBodyIsKinematic(body.id) == 0;
+}
+
+/// Work of the added forces, and the mean velocities; what damping took.
+void take_body(World& world, Body& body, dReal h) {
+  if (!body.moves) return;
+  const double linear =
+      undamped(dBodyGetLinearVel(body.id), dBodyGetLinearDamping(body.id), dBodyGetLinearDampingThreshold(body.id));
+  const double angular =
+      undamped(dBodyGetAngularVel(body.id), dBodyGetAngularDamping(body.id), dBodyGetAngularDampingThreshold(body.id));
+  for (std::size_t i = 0; i < 3; ++i) {
+    body.velocity[i] = (body.velocity[i] + linear * dBodyGetLinearVel(body.id)[i]) / 2;
+    body.spin[i] = (body.spin[i] + angular * dBodyGetAngularVel(body.id)[i]) / 2;
+  }
+  world.work.damping -= energy_beyond(body, linear, angular);
+  world.work.added += h * (dot(body.force.data(), body.velocity.data()) + dot(body.torque.data(), body.spin.data()));
+}
+
+/// Where a body stands among the world's; `hint` is where it stood. Null: it is the world, or another world's.
+const Body* find(const World& world, dBodyID body, std::size_t& hint) {
+  if (body == nullptr) return nullptr;
+  if (hint < world.bodies.size() && world.bodies[hint].id == body) return &world.bodies[hint];
+  const auto found = std::ranges::find(world.bodies, body, &Body::id);
+  if (found == world.bodies.end()) return nullptr;
+  hint = static_cast<std::size_t>(found - world.bodies.begin());
+  return &*found;
+}
+
+double work_on(const Body* body, const dReal* force, const dReal* torque, dReal h) {
+  if (body == nullptr || !body->moves) return 0;
+  return h * (dot(force, body->velocity.data()) + dot(torque, body->spin.data()));
+}
+
+}  // namespace
+
+/// Of its bodies, in the order in which ODE tells of them: the first is never the world.
+struct Ledger::Acting {
+  const dJointFeedback* forces;
+  dBodyID id;  // of the first
+  const Body* first;
+  const Body* second;
+
+  Acting(const World& world, dJointID joint, std::array<std::size_t, 2>& hints)
+      : forces(dJointGetFeedback(joint)), id(dJointGetBody(joint, 0)) {
+    dBodyID other = dJointGetBody(joint, 1);
+    if (id == nullptr) std::swap(id, other);
+    first = find(world, id, hints[0]);
+    second = find(world, other, hints[1]);
+  }
+  double work(dReal h) const {
+    return work_on(first, forces->f1, forces->t1, h) + work_on(second, forces->f2, forces->t2, h);
+  }
+  std::array<std::uint32_t, 2> numbers() const {
+    return {first != nullptr ? first->number + 1 : 0, second != nullptr ? second->number + 1 : 0};
+  }
+
+  /// What acts on the first body along the axis, and how fast it goes there from the second, in the mean.
+  double force_along(const Axis& row, dJointID joint, const dReal* axis) const {
+    if (row.linear) return dot(forces->f1, axis);
+    if (row.anchor == nullptr) return dot(forces->t1, axis);
+    dVector3 arm{};
+    row.anchor(joint, arm);
+    for (int i = 0; i < 3; ++i) arm[i] -= dBodyGetPosition(id)[i];
+    dVector3 of_force{};
+    dCalcVectorCross3(of_force, arm, forces->f1);
+    return dot(forces->t1, axis) - dot(of_force, axis);
+  }
+  double rate_along(const Axis& row, const dReal* axis) const {
+    const auto of = [&](const Body* body) {
+      return body == nullptr ? 0.0 : dot((row.linear ? body->velocity : body->spin).data(), axis);
+    };
+    return of(first) - of(second);
+  }
+};
+
+Ledger::Step::Step(Ledger& ledger, World& world) : ledger_(ledger), world_(world) {
+  for (Body& body : world_.bodies) keep_velocities(body);
+  for (Joint& joint : world_.joints) ask(joint.id, joint.feedback);
+  for (Touch& touch : world_.touches) ask(touch.id, touch.feedback);
+}
+
+Ledger::Step::~Step() {
+  for (const Joint& joint : world_.joints) ask_no_more(joint.id, joint.feedback);
+  for (const Touch& touch : world_.touches) ask_no_more(touch.id, touch.feedback);
+}
+
+void Ledger::Step::taken(dReal h) {
+  for (Body& body : world_.bodies) take_body(world_, body, h);
+  for (Joint& joint : world_.joints) ledger_.take(world_, joint, h);
+  for (Touch& touch : world_.touches) ledger_.take(world_, touch, h);
+  ledger_.sum_up_pairs();
+}
+
+PartSample* Ledger::part_of(Joint& joint) {
+  if (joint.part != nullptr) return joint.part;
+  joint.part = parts_.add();
+  if (joint.part == nullptr) {
+    overflowed_ = true;
+    return nullptr;
+  }
+  joint.part->type = static_cast<std::uint32_t>(joint.type);
+  joint.part->number = joint.number;
+  return joint.part;
+}
+
+Ledger::Pair& Ledger::pair_of(std::uint32_t first, std::uint32_t second) {
+  const auto [low, high] = std::minmax(first, second);
+  const auto [found, is_new] = pairs_.try_emplace(std::uint64_t{low} << 32 | high);
+  Pair& pair = found->second;
+  if (!is_new) return pair;
+  pair.part = parts_.add();
+  if (pair.part == nullptr) {
+    overflowed_ = true;
+    return pair;
+  }
+  pair.part->type = static_cast<std::uint32_t>(dJointTypeContact);
+  pair.part->bodies[0] = high;  // so that the world comes second
+  pair.part->bodies[1] = low;
+  return pair;
+}
+
+void Ledger::take(World& world, Joint& joint, dReal h) {
+  const Acting acting(world, joint.id, joint.places);
+  if (acting.id == nullptr) return;
+  PartSample* const part = part_of(joint);
+  const double work = acting.work(h);
+  double by_motors = joint.type == dJointTypeAMotor || joint.type == dJointTypeLMotor ? work : 0;
+  for (const Axis& row : axes_of(joint.type)) {
+    const auto parameter = [&](int which) { return row.parameter(joint.id, row.group * dParamGroup + which); };
+    const double most = parameter(dParamFMax);
+    const double low = parameter(dParamLoStop);
+    const double high = parameter(dParamHiStop);
+    if (!(most > 0) && low == -dInfinity && high == dInfinity) continue;
+    dVector3 axis{};
+    row.axis(joint.id, axis);
+    const double force = acting.force_along(row, joint.id, axis);
+    by_motors += h * force * acting.rate_along(row, axis);
+    if (part == nullptr) continue;
+    constexpr double rounding = 1e-6;  // of sums of forces with lever arms
+    if (most > 0 && std::fabs(force) >= most * (1 - rounding)) ++part->steps_at_limit;
+    const double place = row.place != nullptr ? row.place(joint.id) : 0;
+    if (row.place != nullptr && (place <= low || place >= high)) ++part->steps_at_stop;
+  }
+  world.work.motors += by_motors;
+  world.work.joints += work - by_motors;
+  if (part == nullptr) return;
+  std::ranges::copy(acting.numbers(), part->bodies);
+  ++part->steps;
+  part->work += work;
+  part->motor_work += by_motors;
+  part->force = std::max({part->force, length(acting.forces->f1), length(acting.forces->f2)});
+  part->torque = std::max({part->torque, length(acting.forces->t1), length(acting.forces->t2)});
+}
+
+namespace {
+
+/// Of a contact, along its two axes, each: friction, and what it may be at most where that is a limit.
+template <class Take>
+void each_axis(const dContact& contact, const dReal* force, double normal, const Take& take) {
+  const dSurfaceParameters& surface = contact.surface;
+  const dReal* n = contact.geom.normal;
+  std::array<dVector3, 2> axes{};
+  if ((surface.mode & dContactFDir1) != 0) {
+    std::copy_n(contact.fdir1, 3, axes[0]);
+    dCalcVectorCross3(axes[1], n, axes[0]);
+  } else {
+    dPlaneSpace(n, axes[0], axes[1]);
+  }
+  const std::array mus{surface.mu, (surface.mode & dContactMu2) != 0 ? surface.mu2 : surface.mu};
+  const std::array pyramids{dContactApprox1_1, dContactApprox1_2};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double most = (surface.mode & pyramids[i]) != 0 ? mus[i] * normal : mus[i];
+    if (most > 0 && mus[i] < dInfinity) take(i, std::fabs(dot(force, axes[i])), most);
+  }
+}
+
+}  // namespace
+
+void Ledger::take(World& world, Touch& touch, dReal h) {
+  std::array<std::size_t, 2> hints{};
+  const Acting acting(world, touch.id, hints);
+  if (acting.id == nullptr) return;
+  const double work = acting.work(h);
+  world.work.contacts += work;
+  const auto numbers = acting.numbers();
+  Pair& pair = pair_of(numbers[0], numbers[1]);
+  if (pair.part == nullptr) return;
+  if (!pair.touches) touching_.push_back(&pair);
+  pair.touches = true;
+  PartSample& part = *pair.part;
+  const double normal = std::fabs(dot(acting.forces->f1, touch.contact.geom.normal));
+  each_axis(touch.contact, acting.forces->f1, normal, [&](std::size_t axis, double friction, double most) {
+    pair.friction[axis] += friction;
+    pair.most[axis] += most;
+  });
+  part.work += work;
+  part.force = std::max(part.force, normal);
+  if (touch.contact.geom.depth > part.largest_m) {
+    part.largest_m = touch.contact.geom.depth;
+    part.largest_t = world.t;
+  }
+}
+
+void Ledger::sum_up_pairs() {
+  for (Pair* pair : touching_) {
+    PartSample& part = *pair->part;
+    ++part.steps;
+    double share = -1;
+    for (std::size_t i = 0; i < 2; ++i) {
+      if (pair->most[i] > 0) share = std::max(share, pair->friction[i] / pair->most[i]);
+    }
+    // Its limits are those of normal forces that ODE has found without friction, of which only the sum stays.
+    constexpr double all = 0.99;
+    if (share >= 0) ++part.steps_rough;
+    if (share >= all) ++part.steps_sliding;
+    part.friction_share = std::max(part.friction_share, share);
+    pair->friction = pair->most = {};
+    pair->touches = false;
+  }
+  touching_.clear();
+}
+
+namespace {
+
+std::uint32_t kind_of(dGeomID geom) {
+  switch (dGeomGetClass(geom)) {
+    case dBoxClass:
+      return ShapeSample::box;
+    case dSphereClass:
+      return ShapeSample::sphere;
+    case dCapsuleClass:
+      return ShapeSample::capsule;
+    case dCylinderClass:
+      return ShapeSample::cylinder;
+    case dPlaneClass:
+      return ShapeSample::plane;
+    default:
+      return ShapeSample::bounds;
+  }
+}
+
+/// Of its size, in what way it is told for its kind.
+void measure(dGeomID geom, ShapeSample& shape) {
+  dVector4 plane{};
+  dReal bounds[6]{};
+  switch (shape.kind) {
+    case ShapeSample::box:
+      return dGeomBoxGetLengths(geom, shape.size);
+    case ShapeSample::sphere:
+      shape.size[0] = dGeomSphereGetRadius(geom);
+      return;
+    case ShapeSample::capsule:
+      return dGeomCapsuleGetParams(geom, &shape.size[0], &shape.size[1]);
+    case ShapeSample::cylinder:
+      return dGeomCylinderGetParams(geom, &shape.size[0], &shape.size[1]);
+    case ShapeSample::plane:
+      dGeomPlaneGetParams(geom, plane);
+      std::copy_n(plane, 3, shape.size);
+      shape.position[0] = plane[3];
+      return;
+    default:
+      dGeomGetAABB(geom, bounds);
+      for (int i = 0; i < 3; ++i) {
+        shape.size[i] = bounds[2 * i + 1] - bounds[2 * i];
+        shape.position[i] = (bounds[2 * i + 1] + bounds[2 * i]) / 2;
+      }
+  }
+}
+
+/// From the world's frame into the body's.
+void put_into_frame(dBodyID body, ShapeSample& shape) {
+  dVector3 away{};
+  for (int i = 0; i < 3; ++i) away[i] = shape.position[i] - dBodyGetPosition(body)[i];
+  dVector3 in_body{};
+  dMultiply1_331(in_body, dBodyGetRotation(body), away);
+  std::copy_n(in_body, 3, shape.position);
+  dQuaternion turned{};
+  dQMultiply1(turned, dBodyGetQuaternion(body), shape.quaternion);
+  std::copy_n(turned, 4, shape.quaternion);
+}
+
+}  // namespace
+
+void Ledger::draw(dGeomID geom, std::uint32_t body) {
+  if (dGeomIsSpace(geom) != 0) return;
+  ShapeSample shape{};
+  shape.kind = kind_of(geom);
+  shape.body = body;
+  shape.quaternion[0] = 1;
+  if (shape.kind != ShapeSample::plane && shape.kind != ShapeSample::bounds) {
+    std::copy_n(dGeomGetPosition(geom), 3, shape.position);
+    dGeomGetQuaternion(geom, shape.quaternion);
+  }
+  measure(geom, shape);
+  if (dBodyID its = dGeomGetBody(geom)) put_into_frame(its, shape);
+  if (ShapeSample* place = shapes_.add()) {
+    *place = shape;
+  } else {
+    overflowed_ = true;
+  }
+}
+
+void Ledger::draw(World& world) {
+  for (Body& body : world.bodies) {
+    if (body.drawn) continue;
+    body.drawn = true;
+    for (dGeomID geom = dBodyGetFirstGeom(body.id); geom != nullptr; geom = dBodyGetNextGeom(geom)) {
+      draw(geom, body.number + 1);
+    }
+  }
+}
+
+void Ledger::draw_space(dSpaceID space) {
+  const int count = dSpaceGetNumGeoms(space);
+  for (int i = 0; i < count; ++i) {
+    dGeomID geom = dSpaceGetGeom(space, i);
+    if (dGeomIsSpace(geom) != 0) {
+      draw_space(reinterpret_cast<dSpaceID>(geom));
+    } else if (dGeomGetBody(geom) == nullptr) {
+      draw(geom, 0);
+    }
+  }
+}
+
+}  // namespace odeval::audit

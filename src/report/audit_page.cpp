@@ -1,0 +1,319 @@
+#include "report/audit_page.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "output/audit_answer.hpp"
+#include "report/prose.hpp"
+#include "report/sections.hpp"
+#include "report/text.hpp"
+
+namespace odeval::report {
+namespace {
+
+using audit::Answer;
+using audit::Estimate;
+using audit::JointSummary;
+using audit::Work;
+
+/// audit/*.mustache: a section each.
+constexpr Embedded prose[] = {
+#include "audit_prose.inc"
+};
+
+// Colours of the palette. Runs have the first ones, by their refinements.
+constexpr int ink = 4;
+constexpr int first_energy = 5;
+constexpr int first_work = 7;
+
+/// Without what a sum of steps has rounded.
+double time(double t_s) { return std::round(t_s * 1e6) / 1e6; }
+
+std::string number(double value) { return std::isfinite(value) ? shown(value) : "not finite"; }
+
+std::string run_name(int refinement) {
+  return refinement == 1 ? "this run, steps of h" : fmt::format("steps of h/{}", refinement);
+}
+
+/// Refinements of the runs whose errors are told, this one's first.
+std::vector<int> refinements(const Answer& answer) {
+  std::vector<int> all;
+  for (const audit::ProgramRun& run : answer.runs) {
+    if (all.empty() || run.refinement > all.back()) all.push_back(run.refinement);
+  }
+  return all;
+}
+
+int colour_of_run(std::size_t run) {
+  const int number = static_cast<int>(run);
+  return number < ink ? number : (number + 1) % palette_size;
+}
+
+Cell cell(const Estimate& error) {
+  if (error.convergence == audit::Convergence::none) return Missing{"smaller steps do not bring the runs together"};
+  if (std::isnan(error.value)) return Missing{"this run has ended before"};
+  return error.value;
+}
+Cell uncertainty(const Estimate& error) {
+  if (error.convergence == audit::Convergence::none) return Missing{"smaller steps do not bring the runs together"};
+  if (std::isnan(error.value)) return Missing{"this run has ended before"};
+  return error.uncertainty;
+}
+
+Figure errors_over_time(const Answer& answer) {
+  Panel panel{.x_label = "time, s", .y_label = "error until then, m", .log_y = true};
+  const std::vector<int> all = refinements(answer);
+  for (std::size_t run = 0; run < all.size(); ++run) {
+    Series series{.label = run_name(all[run]), .x = {}, .y = {}, .colour = colour_of_run(run)};
+    for (const audit::ErrorPoint& point : answer.error_over_time) {
+      series.x.push_back(point.t_s);
+      series.y.push_back(run < point.distance_m.size() ? point.distance_m[run] : NAN);
+    }
+    panel.series.push_back(std::move(series));
+  }
+  Series limit{.label = "uncertainty of the limit", .x = {}, .y = {}, .colour = ink, .dashed = true};
+  for (const audit::ErrorPoint& point : answer.error_over_time) {
+    limit.x.push_back(point.t_s);
+    limit.y.push_back(point.uncertainty_m);
+  }
+  panel.series.push_back(std::move(limit));
+  if (answer.lost_at_s)
+    panel.shade = Shade{*answer.lost_at_s, "the error is more than a tenth of how far bodies go or turn"};
+  return {.name = "error-over-time", .panels = {std::move(panel)}};
+}
+
+Figure order(const Answer& answer) {
+  const audit::ErrorUntil& until = answer.error_at[answer.tried_at];
+  Panel panel{.x_label = "step, s", .y_label = "error, m", .log_x = true, .log_y = true};
+  const std::vector<int> all = refinements(answer);
+  Series first{.label = "in proportion to the step", .x = {}, .y = {}, .colour = ink, .dashed = true};
+  for (std::size_t run = 0; run < std::min(all.size(), until.of_runs_m.size()); ++run) {
+    const double step = answer.h_s / all[run];
+    panel.series.push_back({.label = run_name(all[run]),
+                            .x = {step},
+                            .y = {until.of_runs_m[run]},
+                            .mark = Mark::points,
+                            .colour = colour_of_run(run)});
+    first.x.push_back(step);
+    first.y.push_back(until.of_runs_m.front() / all[run]);
+  }
+  panel.series.push_back(std::move(first));
+  return {.name = "order", .panels = {std::move(panel)}};
+}
+
+Table errors_until(const Answer& answer) {
+  Table table{.name = "error-until",
+              .columns = {"until t, s", "error, m", "±, m", "turned, rad", "±, rad", "order", "known", "largest"}};
+  for (const audit::ErrorUntil& row : answer.error_at) {
+    table.rows.push_back({time(row.t_s), cell(row.distance_m), uncertainty(row.distance_m), cell(row.turn_rad),
+                          uncertainty(row.turn_rad), row.order ? Cell(*row.order) : Missing{"the runs do not differ"},
+                          convergence_word(row.convergence()), body_name(answer, row.body)});
+  }
+  return table;
+}
+
+Table steps_for(const Answer& answer) {
+  Table table{.name = "steps-for", .columns = {"error, m", "step, s"}};
+  for (const audit::StepFor& one : answer.steps_for) {
+    table.rows.push_back(
+        {one.distance_m, one.h_s ? Cell(*one.h_s) : Missing{"smaller than was tried, or not to be told"}});
+  }
+  return table;
+}
+
+Content errors(const Answer& answer) {
+  return {{{"step", number(answer.h_s)},
+           {"until", number(time(answer.steps_for_t_s))},
+           {"lost", answer.lost_at_s ? number(*answer.lost_at_s) : ""}},
+          {errors_over_time(answer), order(answer), errors_until(answer), steps_for(answer)}};
+}
+
+Content bodies(const Answer& answer) {
+  std::vector<const audit::BodyError*> rows;
+  for (const audit::BodyError& row : answer.error_of_body) {
+    if (row.t_s == answer.steps_for_t_s) rows.push_back(&row);
+  }
+  std::ranges::stable_sort(rows, std::ranges::greater(),
+                           [](const audit::BodyError* row) { return row->distance_m.value; });
+  Table table{.name = "bodies", .columns = {"body", "error, m", "±, m", "turned, rad", "±, rad"}};
+  for (const audit::BodyError* row : rows) {
+    table.rows.push_back({body_name(answer, row->body), cell(row->distance_m), uncertainty(row->distance_m),
+                          cell(row->turn_rad), uncertainty(row->turn_rad)});
+  }
+  return {{{"until", number(time(answer.steps_for_t_s))}}, {std::move(table)}};
+}
+
+Content settings(const Answer& answer) {
+  Table table{.name = "settings", .columns = {"setting", "error, m", "±, m", "time"}};
+  const Estimate& own = answer.error_at[answer.tried_at].distance_m;
+  table.rows.push_back({"as it is", cell(own), uncertainty(own), 1.0});
+  for (const audit::Tried& tried : answer.tried) {
+    const Estimate& error = tried.distance_m[answer.tried_at];
+    table.rows.push_back({tried.set, cell(error), uncertainty(error), tried.cost});
+  }
+  return {{{"until", number(time(answer.steps_for_t_s))}}, {std::move(table)}};
+}
+
+/// A line over time of what `value` takes from a point.
+template <class Take>
+Series over_time(const Answer& answer, const char* label, int colour, const Take& value) {
+  Series series{.label = label, .x = {}, .y = {}, .colour = colour};
+  for (const audit::EnergyPoint& point : answer.energy_over_time) {
+    series.x.push_back(point.t_s);
+    series.y.push_back(value(point));
+  }
+  return series;
+}
+
+struct WorkRow {
+  const char* name;
+  double Work::*part;
+};
+constexpr WorkRow works[] = {{"forces that the program adds", &Work::added},
+                             {"motors and stops", &Work::motors},
+                             {"joints", &Work::joints},
+                             {"contacts", &Work::contacts},
+                             {"damping", &Work::damping}};
+
+Content energy(const Answer& answer) {
+  using Point = audit::EnergyPoint;
+  const auto whole = [](const Point& point) { return point.kinetic_J + point.potential_J; };
+  const double begin = answer.energy.begin_J;
+  Panel energies{.x_label = "time, s", .y_label = "energy, J"};
+  energies.series.push_back(over_time(answer, "kinetic", first_energy, [](const Point& p) { return p.kinetic_J; }));
+  energies.series.push_back(
+      over_time(answer, "of gravity", first_energy + 1, [](const Point& p) { return p.potential_J; }));
+  energies.series.push_back(over_time(answer, "both", ink, whole));
+  Panel work{.x_label = "time, s", .y_label = "work since the start, J"};
+  Table table{.name = "work-total", .columns = {"by", "work, J"}};
+  int colour = first_work;
+  for (const WorkRow& row : works) {
+    work.series.push_back(over_time(answer, row.name, colour++, [&](const Point& p) { return p.work.*row.part; }));
+    table.rows.push_back({row.name, answer.work.*row.part});
+  }
+  work.series.push_back(
+      over_time(answer, "the step's own", ink, [&](const Point& p) { return whole(p) - begin - p.work.sum(); }));
+  table.rows.push_back({"the step's own", answer.energy.end_J - begin - answer.work.sum()});
+  return {{{"end", number(time(answer.runs.front().simulated_s))}},
+          {Figure{.name = "energy", .panels = {std::move(energies)}},
+           Figure{.name = "work", .panels = {std::move(work)}}, std::move(table)}};
+}
+
+Content joints(const Answer& answer) {
+  Panel panel{.x_label = "time, s", .y_label = "gap, m"};
+  panel.series.push_back(over_time(answer, "", ink, [](const audit::EnergyPoint& point) { return point.gap_m; }));
+  Table table{.name = "joints",
+              .columns = {"joint", "kind", "gap, m", "at t, s", "force, N", "torque, N m", "work, J", "of motors, J",
+                          "steps at its limit", "steps at a stop"}};
+  for (const JointSummary& joint : answer.joint_summaries) {
+    if (joint.number == 0) continue;
+    table.rows.push_back({joint_name(answer, joint.number), joint.kind, joint.largest_m, joint.largest_t_s,
+                          joint.force_N, joint.torque_Nm, joint.work_J, joint.motor_work_J,
+                          static_cast<double>(joint.at_limit), static_cast<double>(joint.at_stop)});
+  }
+  return {{}, {Figure{.name = "gaps", .panels = {std::move(panel)}}, std::move(table)}};
+}
+
+std::string touching(const Answer& answer, const JointSummary& contact) {
+  const auto name = [&](std::uint32_t body) { return body == 0 ? std::string("the world") : body_name(answer, body); };
+  return name(contact.bodies[0]) + ", " + name(contact.bodies[1]);
+}
+
+Content contacts(const Answer& answer) {
+  Panel panel{.x_label = "time, s", .y_label = "depth, m"};
+  panel.series.push_back(over_time(answer, "", ink, [](const audit::EnergyPoint& point) { return point.depth_m; }));
+  Table table{.name = "contacts",
+              .columns = {"bodies", "depth, m", "at t, s", "steps", "normal force, N", "work, J", "share of friction",
+                          "sliding, %"}};
+  for (const JointSummary& contact : answer.joint_summaries) {
+    if (contact.number != 0) continue;
+    const bool rough = contact.rough > 0;
+    const double sliding = 100.0 * static_cast<double>(contact.sliding) / static_cast<double>(contact.rough);
+    table.rows.push_back({touching(answer, contact), contact.largest_m, contact.largest_t_s,
+                          static_cast<double>(contact.steps), contact.force_N, contact.work_J,
+                          rough ? Cell(contact.friction_share) : Missing{"without friction, or with all there may be"},
+                          rough ? Cell(sliding) : Missing{"without friction, or with all there may be"}});
+  }
+  return {{}, {Figure{.name = "depth", .panels = {std::move(panel)}}, std::move(table)}};
+}
+
+Content runs(const Answer& answer) {
+  Table table{.name = "runs", .columns = {"run", "end", "steps", "until t, s", "CPU, s"}};
+  for (const audit::ProgramRun& run : answer.runs) {
+    table.rows.push_back({run.what, run.end, static_cast<double>(run.steps), time(run.simulated_s), run.cpu_s});
+  }
+  return {{}, {std::move(table)}};
+}
+
+Content limits(const Answer& answer) {
+  Items items;
+  for (const std::string& limit : answer.limits) items.push_back({{"limit", limit}});
+  return {{{"limits", std::move(items)}}, {}};
+}
+
+std::vector<Section> sections(const Answer& answer, const AuditPageParts& parts) {
+  std::vector<Section> all;
+  const auto add = [&](std::string_view name, Content content) {
+    const auto* const text = std::ranges::find(prose, name, &Embedded::name);
+    all.push_back(section_of(std::string(name), text->text, std::move(content)));
+  };
+  const bool judged = answer.reason.empty();
+  if (judged) add("error", errors(answer));
+  all.insert(all.end(), parts.pictures.begin(), parts.pictures.end());
+  if (judged) add("settings", settings(answer));
+  if (answer.bodies > 0) add("energy", energy(answer));
+  if (answer.joints > 0) add("joints", joints(answer));
+  if (answer.contacts > 0) add("contacts", contacts(answer));
+  if (judged) add("bodies", bodies(answer));
+  if (!answer.limits.empty()) add("limits", limits(answer));
+  add("runs", runs(answer));
+  return all;
+}
+
+/// The answer in a sentence.
+std::string lead(const Answer& answer) {
+  if (!answer.reason.empty()) return "No error can be told: " + answer.reason + ".";
+  const audit::ErrorUntil& row = answer.error_at[answer.tried_at];
+  if (row.convergence() == audit::Convergence::none) {
+    return fmt::format("Until {} s smaller steps do not bring the runs together: no error can be told.",
+                       number(time(row.t_s)));
+  }
+  const Finding error{"", "m", row.distance_m.value, row.distance_m.uncertainty, ""};
+  std::string text = fmt::format("Until {} s {} is at most {} from where it would be at a step of 0.",
+                                 number(time(row.t_s)), body_name(answer, row.body), shown(error));
+  if (answer.lost_at_s) text += fmt::format(" From {} s on it is another motion.", number(*answer.lost_at_s));
+  return text;
+}
+
+}  // namespace
+
+Page audit_page(const Answer& answer, const AuditPageParts& parts) {
+  Anchors anchors;
+  for (const char* const fixed : {"files", "made-with"}) anchors.take(fixed);
+  const std::vector<Section> all = sections(answer, parts);
+  for (const Section& section : all) anchors.take(section.name);
+  SectionWriter writer(anchors);
+  Items items;
+  for (const Section& section : all) {
+    Values values = writer.values(section);
+    items.push_back(std::move(values));
+  }
+  Items lines;
+  for (const auto& [name, what] : audit_lines(answer)) lines.push_back({{"name", name}, {"what", what}});
+  Items environment;
+  for (const auto& [name, what] : parts.environment) environment.push_back({{"name", name}, {"what", what}});
+  const Values values{{"title", "How wrong is this simulation?"},
+                      {"style", page_layout("style")},
+                      {"lead", lead(answer)},
+                      {"program", answer.program},
+                      {"about", answer.bodies > 0 ? audit_head(answer) : ""},
+                      {"lines", std::move(lines)},
+                      {"sections", std::move(items)},
+                      {"command", parts.command},
+                      {"environment", std::move(environment)}};
+  return {filled("audit", page_layout("audit"), values, escaped), writer.missing()};
+}
+
+}  // namespace odeval::report

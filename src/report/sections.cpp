@@ -1,0 +1,206 @@
+#include "report/sections.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "odeval/error.hpp"
+#include "report/text.hpp"
+
+namespace odeval::report {
+namespace {
+
+constexpr Embedded layout[] = {
+#include "page_layout.inc"
+};
+
+/// Reasons for missing cells, lettered below their table.
+class Footnotes {
+ public:
+  std::string mark(const std::string& why) {
+    auto at = std::ranges::find(reasons_, why);
+    if (at == reasons_.end()) at = reasons_.insert(at, why);
+    return letter(static_cast<std::size_t>(at - reasons_.begin()));
+  }
+  Items all() const {
+    Items all;
+    for (std::size_t i = 0; i < reasons_.size(); ++i) all.push_back({{"letter", letter(i)}, {"why", reasons_[i]}});
+    return all;
+  }
+
+ private:
+  static std::string letter(std::size_t number) {
+    return number < 26 ? std::string(1, static_cast<char>('a' + number)) : std::to_string(number + 1);
+  }
+  std::vector<std::string> reasons_;
+};
+
+Values cell_values(const Cell& cell, Footnotes& notes) {
+  if (const std::string* const text = std::get_if<std::string>(&cell)) {
+    const bool one_word = text->find(' ') == std::string::npos;  // a name, which no hyphen may break
+    return {{"class", one_word ? "whole" : ""}, {"text", *text}, {"mark", ""}};
+  }
+  if (const double* const number = std::get_if<double>(&cell); number != nullptr && std::isfinite(*number)) {
+    return {{"class", "number"}, {"text", shown(*number)}, {"mark", ""}};
+  }
+  const Missing* const missing = std::get_if<Missing>(&cell);
+  const std::string mark = notes.mark(missing != nullptr ? missing->why : "no finite number");
+  return {{"class", "number"}, {"text", ""}, {"mark", mark}};
+}
+
+/// Whether a column has numbers, so that its head stands above their right ends.
+bool is_numeric(const Table& table, std::size_t column) {
+  return std::ranges::any_of(table.rows, [column](const std::vector<Cell>& row) {
+    return column < row.size() && !std::holds_alternative<std::string>(row[column]);
+  });
+}
+
+/// Each label and look once.
+Items legend(const Figure& figure, const std::vector<std::vector<Look>>& looks) {
+  struct Entry {
+    std::string label;
+    Look look;
+    bool drawn;
+  };
+  std::vector<Entry> entries;
+  for (std::size_t p = 0; p < figure.panels.size(); ++p) {
+    const Panel& panel = figure.panels[p];
+    for (std::size_t s = 0; s < panel.series.size(); ++s) {
+      const Series& series = panel.series[s];
+      const bool drawn = report::has_points(series, panel);
+      const auto known = std::ranges::find_if(
+          entries, [&](const Entry& entry) { return entry.label == series.label && entry.look == looks[p][s]; });
+      if (known != entries.end()) {
+        known->drawn = known->drawn || drawn;
+      } else if (!series.label.empty()) {
+        entries.push_back({series.label, looks[p][s], drawn});
+      }
+    }
+  }
+  Items items;
+  for (const Entry& entry : entries) {
+    items.push_back({{"swatch", swatch_svg(entry.look)}, {"label", entry.label}, {"undrawn", !entry.drawn}});
+  }
+  return items;
+}
+
+/// The reasons of its shades, each once, to be put behind its caption.
+std::string shades(const Figure& figure) {
+  std::string all;
+  std::vector<std::string> said;
+  for (const Panel& panel : figure.panels) {
+    const std::string text = shade_text(panel);
+    if (text.empty() || std::ranges::find(said, text) != said.end()) continue;
+    said.push_back(text);
+    all += " " + text + (text.ends_with('.') ? "" : ".");
+  }
+  return all;
+}
+
+}  // namespace
+
+std::string page_layout(std::string_view name) {
+  constexpr std::string_view place = "{{>blocks}}";
+  const auto* const found = std::ranges::find(layout, name, &Embedded::name);
+  if (found == std::end(layout)) throw std::logic_error(fmt::format("no page has a part '{}'", name));
+  std::string text(found->text);
+  for (std::size_t at = 0; (at = text.find(place, at)) != std::string::npos;) {
+    text.replace(at, place.size(), text_of(layout, "blocks"));
+  }
+  return text;
+}
+
+Values SectionWriter::values(const Section& section, std::string (*csv)(const Table&)) {
+  csv_ = csv;
+  Items blocks;
+  for (const Block& block : section.blocks) {
+    Values values{
+        {"paragraph", ""}, {"table", Items{}}, {"figure", Items{}}, {"picture", Items{}}, {"highlight", Items{}}};
+    std::visit([&](const auto& one) { add_block(values, one); }, block);
+    blocks.push_back(std::move(values));
+  }
+  return {{"name", section.name}, {"title", section.title}, {"blocks", std::move(blocks)}};
+}
+
+void SectionWriter::add_block(Values& block, const Text& text) { block.insert_or_assign("paragraph", text.text); }
+
+void SectionWriter::add_block(Values& block, const Table& table) {
+  if (!tables_.insert(table.name).second) throw std::logic_error("two tables are named '" + table.name + "'");
+  Items columns;
+  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+    columns.push_back({{"numeric", is_numeric(table, i)}, {"text", table.columns[i]}});
+  }
+  Footnotes notes;
+  Items rows;
+  for (const auto& row : table.rows) {
+    Items cells;
+    for (const Cell& cell : row) cells.push_back(cell_values(cell, notes));
+    for (Values& cell : cells) cell.insert({"anchor", ""});
+    if (rows.size() < table.evidence.size()) cells.front().insert_or_assign("anchor", table.evidence[rows.size()]);
+    rows.push_back({{"cells", std::move(cells)}});
+  }
+  block.insert_or_assign("table", Items{{{"id", anchors_.take("table", table.name)},
+                                         {"title", table.title},
+                                         {"csv", csv_ != nullptr ? csv_(table) : ""},
+                                         {"long", table.rows.size() > long_rows},
+                                         {"columns", std::move(columns)},
+                                         {"rows", std::move(rows)},
+                                         {"footnotes", notes.all()},
+                                         {"note", table.note}}});
+}
+
+Values SectionWriter::panel_values(const Figure& figure, std::size_t number, const std::vector<Look>& looks,
+                                   const std::string& id) {
+  const Panel& panel = figure.panels[number];
+  std::string plot;
+  std::string why_not;
+  try {
+    if (has_points(panel)) {
+      plot = plot_svg(panel, looks, fmt::format("{}-{}", id, number + 1));
+    } else {
+      why_not = "there is no number to draw";
+    }
+  } catch (const MachineError& error) {
+    why_not = error.what();
+  }
+  if (!why_not.empty()) missing_.push_back(fmt::format("{}: {}", figure.name, why_not));
+  return {{"plot", plot}, {"why_not", why_not}, {"x", panel.x_label}, {"y", panel.y_label}};
+}
+
+void SectionWriter::add_block(Values& block, const Figure& figure) {
+  const std::string id = anchors_.take("figure", figure.name);
+  const auto looks = looks_of(figure);
+  Items panels;
+  for (std::size_t i = 0; i < figure.panels.size(); ++i) panels.push_back(panel_values(figure, i, looks[i], id));
+  const Items labels = legend(figure, looks);
+  block.insert_or_assign("figure", Items{{{"id", id},
+                                          {"columns", std::clamp(figure.columns, 1, 4)},
+                                          {"panels", std::move(panels)},
+                                          {"has_legend", !labels.empty()},
+                                          {"legend", labels},
+                                          {"title", figure.title},
+                                          {"caption", figure.caption + shades(figure)}}});
+}
+
+void SectionWriter::add_block(Values& block, const Picture& picture) {
+  block.insert_or_assign("picture", Items{{{"id", anchors_.take("picture", picture.name)},
+                                           {"png", base64(picture.png)},
+                                           {"title", picture.title},
+                                           {"caption", picture.caption}}});
+}
+
+void SectionWriter::add_block(Values& block, const Highlight& highlight) {
+  const Figure& figure = highlight.figure;
+  const std::string id = anchors_.take("short", figure.name);
+  const auto looks = looks_of(figure);
+  Values values = panel_values(figure, 0, looks[0], id);
+  values.insert({{"id", id},
+                 {"sentence", highlight.sentence},
+                 {"evidence", highlight.evidence},
+                 {"legend", legend(figure, looks)}});
+  block.insert_or_assign("highlight", Items{std::move(values)});
+}
+
+}  // namespace odeval::report

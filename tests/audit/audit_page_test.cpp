@@ -1,0 +1,112 @@
+// The page of an audit: it says what the answer says, leaves out what there is none of, and shows nothing that is no
+// number.
+//   audit_page_test [FILE]   also writes the page, to look at
+#include <cmath>
+#include <regex>
+
+#include "output/file.hpp"
+#include "report/audit_page.hpp"
+#include "report/gnuplot.hpp"
+#include "tests/check.hpp"
+
+namespace {
+
+using namespace odeval;
+using audit::Answer;
+using audit::Convergence;
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// Two bodies on a hinge over the ground, in three refined runs; the last error has no limit.
+Answer some_answer() {
+  Answer answer;
+  answer.program = "./walk <fast>";
+  answer.stepper = "dWorldStep";
+  answer.h_s = 0.001;
+  answer.bodies = 2;
+  answer.joints = 1;
+  answer.contacts = 4;
+  answer.body_names[2] = "left & foot";
+  for (const int k : {1, 2, 4}) {
+    answer.runs.push_back(
+        {.refinement = k, .what = "run", .end = "exit status 0", .steps = 2000, .simulated_s = 1.9999999});
+  }
+  for (const double t : {1.0, 2.0}) {
+    const auto convergence = t < 2 ? Convergence::settled : Convergence::none;
+    answer.error_at.push_back({.t_s = t,
+                               .distance_m = {0.0125, 1e-4, convergence},
+                               .turn_rad = {0.02, 1e-4, convergence},
+                               .order = 1.0,
+                               .body = 2,
+                               .of_runs_m = {0.0125, 0.0062, 0.003}});
+    answer.error_of_body.push_back({t, 2, {0.0125, 1e-4, convergence}, {0.02, 1e-4, convergence}});
+  }
+  answer.lost_at_s = 1.5;
+  answer.until_s = 2;
+  answer.steps_for_t_s = 1;
+  answer.steps_for = {{1e-3, std::nullopt}, {1e-1, 0.001}};
+  answer.tried.push_back({"erp=0.8", {{0.01, 1e-4, Convergence::settled}, {NAN, NAN, Convergence::none}}, 1.1});
+  for (int i = 0; i <= 20; ++i) {
+    const double t = 0.1 * i;
+    answer.error_over_time.push_back({t, {0.006 * t, 0.003 * t, i == 20 ? NAN : 0.0015 * t}, 1e-5 * t});
+    answer.energy_over_time.push_back({t, 1 - t / 3, t / 3, {.added = 0.1 * t}, 1e-4 * t, 1e-3});
+  }
+  answer.energy = {.begin_J = 1, .end_J = 1, .error_J = {0.01, 1e-3, Convergence::settled}};
+  answer.work = {.added = 0.2, .motors = 0.1};
+  answer.gap = {1e-4, 1, 1};
+  answer.joint_summaries.push_back({.kind = "hinge", .number = 1, .bodies = {1, 2}, .steps = 2000, .largest_m = 1e-4});
+  answer.joint_summaries.push_back({.kind = "contact", .bodies = {2, 0}, .steps = 10, .largest_m = 1e-3});
+  answer.limits = {"forces count as constant"};
+  return answer;
+}
+
+report::Page page_of(const Answer& answer) {
+  return report::audit_page(answer, {.pictures = {}, .command = "odeval audit -- x", .environment = {{"ODE", "0.16"}}});
+}
+
+std::string visible(const std::string& html) {
+  return std::regex_replace(html.substr(html.find("<body>")), std::regex("<[^>]*>"), " ");
+}
+
+void says_the_answer(const std::string& html) {
+  CHECK(has(html,
+            "Until 1 s body 2 (left &amp; foot) is at most 0.0125 ± 0.0001 m from where it would be at a step of 0. "
+            "From 1.5 s on it is another motion."));
+  CHECK(has(html, "<code>./walk &lt;fast&gt;</code>"));
+  CHECK(has(html, "<dt>motion</dt><dd>lost at 1.5 s"));
+  CHECK(has(html, "<dt>ODE</dt><dd>0.16</dd>"));
+  CHECK(has(html, "<td class=\"whole\">erp=0.8</td><td class=\"number\">0.01</td>"));
+  CHECK(has(html, "smaller steps do not bring the runs together</p>"));
+  CHECK(has(html, "<td>body 2 (left &amp; foot), the world</td>"));
+  CHECK(has(html, "forces count as constant"));
+  CHECK(has(html, "Until 2 s</b>"));  // of a sum of steps
+  CHECK(!std::regex_search(visible(html), std::regex("\\b(nan|inf|NaN|Infinity)\\b")));
+}
+
+void leaves_out_what_there_is_none_of() {
+  Answer answer = some_answer();
+  answer.contacts = 0;
+  answer.joints = 0;
+  const std::string html = page_of(answer).html;
+  CHECK(has(html, "<section id=\"energy\">") && has(html, "<section id=\"error\">"));
+  CHECK(!has(html, "<section id=\"joints\">") && !has(html, "<section id=\"contacts\">"));
+
+  Answer none;
+  none.program = "true";
+  none.reason = "it took no step";
+  none.runs.emplace_back();
+  const std::string reason = page_of(none).html;
+  CHECK(has(reason, "<p class=\"lead\">No error can be told: it took no step.</p>"));
+  CHECK(!has(reason, "<section id=\"error\">") && !has(reason, "<section id=\"energy\">"));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const report::Page page = page_of(some_answer());
+  if (argc > 1) write_whole(argv[1], page.html);
+  says_the_answer(page.html);
+  if (report::gnuplot_version().starts_with("gnuplot ")) CHECK_EQUAL(page.missing.size(), 0U);
+  leaves_out_what_there_is_none_of();
+  return test::verdict();
+}
