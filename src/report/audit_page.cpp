@@ -296,10 +296,7 @@ Page audit_page(const Answer& answer, const AuditPageParts& parts) {
   for (const Section& section : all) anchors.take(section.name);
   SectionWriter writer(anchors);
   Items items;
-  for (const Section& section : all) {
-    Values values = writer.values(section);
-    items.push_back(std::move(values));
-  }
+  for (const Section& section : all) items.push_back(writer.values(section));
   Items lines;
   for (const auto& [name, what] : audit_lines(answer)) lines.push_back({{"name", name}, {"what", what}});
   Items environment;
