@@ -217,7 +217,7 @@ const std::vector<Case> cases{
     {"cart_pole",
      "duration=0.1",
      {"joints.0.stops=[-0.001,0.001],[-0.002,0.002]", "joints.0.motor.velocity=0.0,0.1",
-      "joints.0.motor.force=0.01,1.0", "springs.0.stiffness=0,1", "springs.0.damping=0,0.1", "torques.0.amplitude=5,10",
+      "joints.0.motor.force=0.01,1.0", "springs.0.stiffness=1,2", "springs.0.damping=0.1,0.2", "torques.0.amplitude=5,10",
       "torques.0.constant=0,1", "torques.0.frequency=1,2", "torques.0.phase=0,1"},
      {"ode.erp=0.2,0.5"}},
     {"cart_pole", "joints.0.stops=[-0.001,0.001]", {"joints.0.stop_restitution=0.5,0.8"}, {}},
