@@ -361,7 +361,9 @@ void check_stops() {
 /// what it presses a body with against a wall, or a body that stands on the ground.
 void check_feedback_at_rest() {
   constexpr double mass = 3, most = 40, h = 1e-3;
-  const auto near = [](const dReal* told, const Vector3d& wanted) { CHECK_NEAR((vec(told) - wanted).norm(), 0, 1e-8); };
+  const auto near = [](const dReal* told, const Vector3d& wanted, double within = 1e-8) {
+    CHECK_NEAR((vec(told) - wanted).norm(), 0, within);
+  };
   const auto settled = [&](World& world, dJointID joint, dGeomID ground = nullptr) {
     dJointFeedback feedback{};
     dJointSetFeedback(joint, &feedback);
@@ -391,7 +393,8 @@ void check_feedback_at_rest() {
     drive(hinge, dJointSetHingeParam, 0, -1, most);
     stop(hinge, dJointSetHingeParam, 0, 0, 1);
     const dJointFeedback told = settled(world, hinge);
-    near(told.f1, {0, 0, mass * g});
+    // The step turns it freely until its end, at 54 rad/s^2, which takes m l w^2 = 0.0045 N.
+    near(told.f1, {0, 0, mass * g}, 5e-3);
     near(told.t1, {0, 0, 0});  // about the link's centre
   }
   {

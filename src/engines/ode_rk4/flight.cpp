@@ -492,6 +492,21 @@ void Flight::recall() {
   }
 }
 
+/// Of the impulses at the contacts at hand, which stood for forces over a time h, and of those of stops.
+void Flight::tell_joints(const Impact& impact, const Eigen::VectorXd& impulses, const State& state, double h) {
+  mover().add_forces(h);
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const Contact& contact = contacts_[i];
+    const Vector3d force = impact.push_of(impulses, i) / h;
+    const auto on = [&](std::size_t body, double sign) {
+      if (contact.turns) return Wrench{Vector3d::Zero(), sign * force};
+      const Vector3d at = body == world_body ? Vector3d(Vector3d::Zero()) : state[body].pose.position;
+      return Wrench{sign * force, (contact.point - at).cross(sign * force)};
+    };
+    mover().add_force(contact.geoms.first, on(contact.a, 1), on(contact.b, -1));  // a stop's joint
+  }
+}
+
 /// At the end of a step, with its contacts at hand: what rests stops and is pushed out of what it rests on. Returns
 /// true if something touches that does not rest.
 bool Flight::hold(State& state, double h) {
@@ -525,6 +540,7 @@ bool Flight::hold(State& state, double h) {
       impulses = impact->stop(state);
     }
     driven = false;
+    if (first) tell_joints(*impact, impulses, state, h);
     std::vector<Twist> by;
     if (first && rubs) {
       for (std::size_t i = 0; i < rest.size(); ++i) rest[i].push = impact->push_of(impulses, i);
