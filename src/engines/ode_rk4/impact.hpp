@@ -50,10 +50,10 @@ class Impact {
   Eigen::VectorXd strike(State& state, ImpactOrder order, double rest_speed) const;
   /// Without restitution: impulses, friction in its cone. Returns them.
   Eigen::VectorXd stop(State& state) const;
-  /// What `stop` brought to stick first, from the velocities that it had before and that sliding on would have led to
-  /// if normal impulses stayed.
+  /// What `stop`, of forces over a time h, brought to stick first, from the velocities that it had before and that
+  /// sliding on would have led to if normal impulses stayed.
   Vector3d push_of(const Eigen::VectorXd& impulses, std::size_t contact) const;
-  Sticks sticks_at(const Eigen::VectorXd& impulses, const State& before, const State& state) const;
+  Sticks sticks_at(const Eigen::VectorXd& impulses, const State& before, const State& state, double h) const;
 
   /// Moves the bodies apart, mass-weighted and with joints kept, until no contact is deeper than `depth`, to the first
   /// order in the way, and by what is given besides. What pushes and yet would be apart then is moved down to it. Ends

@@ -114,6 +114,7 @@ struct Motor {
   double most;      // N or N m
   Drive drive = Drive::released;
   double force = 0;  // on a, while it pushes; while it holds, at the end of the last motion
+  double jump = 0;   // N s or N m s, that brought it to its velocity at once
 };
 
 /// How far a hinge may turn or a slider may slide, of a against b.
