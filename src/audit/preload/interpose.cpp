@@ -26,7 +26,7 @@ void forget_geom(dGeomID geom) {
 }  // namespace
 
 #define ODEVAL_JOINT(kind)                                                                         \
-  dJointID dJointCreate##kind(dWorldID world, dJointGroupID group) {                               \
+  dJointID ODEVAL_BEFORE(dJointCreate##kind)(dWorldID world, dJointGroupID group) {                \
     return followed(world, ODEVAL_OWN(dJointCreate##kind)(world, group), dJointType##kind, group); \
   }
 
@@ -50,7 +50,7 @@ ODEVAL_JOINT(DBall)
 ODEVAL_JOINT(DHinge)
 ODEVAL_JOINT(Transmission)
 
-dJointID dJointCreateContact(dWorldID world, dJointGroupID group, const dContact* contact) {
+dJointID ODEVAL_BEFORE(dJointCreateContact)(dWorldID world, dJointGroupID group, const dContact* contact) {
   Session& session = Session::get();
   if (!session.follows()) return ODEVAL_OWN(dJointCreateContact)(world, group, contact);
   const dContact part = session.softened(world, *contact);
@@ -59,63 +59,63 @@ dJointID dJointCreateContact(dWorldID world, dJointGroupID group, const dContact
   return joint;
 }
 
-void dJointDestroy(dJointID joint) {
+void ODEVAL_BEFORE(dJointDestroy)(dJointID joint) {
   if (joint != nullptr) follow<dJointID>(&Worlds::forget, joint);
   ODEVAL_OWN(dJointDestroy)(joint);
 }
 
-void dJointGroupEmpty(dJointGroupID group) {
+void ODEVAL_BEFORE(dJointGroupEmpty)(dJointGroupID group) {
   follow<dJointGroupID>(&Worlds::empty, group);
   ODEVAL_OWN(dJointGroupEmpty)(group);
 }
 
-void dJointGroupDestroy(dJointGroupID group) {
+void ODEVAL_BEFORE(dJointGroupDestroy)(dJointGroupID group) {
   follow<dJointGroupID>(&Worlds::forget, group);
   ODEVAL_OWN(dJointGroupDestroy)(group);
 }
 
-dBodyID dBodyCreate(dWorldID world) {
+dBodyID ODEVAL_BEFORE(dBodyCreate)(dWorldID world) {
   dBodyID body = ODEVAL_OWN(dBodyCreate)(world);
   follow<dWorldID, dBodyID>(&Worlds::add, world, body);
   return body;
 }
 
-void dBodyDestroy(dBodyID body) {
+void ODEVAL_BEFORE(dBodyDestroy)(dBodyID body) {
   if (body != nullptr) follow<dBodyID>(&Worlds::forget, body);
   ODEVAL_OWN(dBodyDestroy)(body);
 }
 
-void dWorldDestroy(dWorldID world) {
+void ODEVAL_BEFORE(dWorldDestroy)(dWorldID world) {
   ODEVAL_OWN(dWorldDestroy)(world);
   follow<dWorldID>(&Worlds::forget, world);
 }
 
-int dWorldStep(dWorldID world, dReal h) {
+int ODEVAL_BEFORE(dWorldStep)(dWorldID world, dReal h) {
   return Session::get().step(world, h, ODEVAL_OWN(dWorldStep), false, __builtin_frame_address(0));
 }
 
-int dWorldQuickStep(dWorldID world, dReal h) {
+int ODEVAL_BEFORE(dWorldQuickStep)(dWorldID world, dReal h) {
   return Session::get().step(world, h, ODEVAL_OWN(dWorldQuickStep), true, __builtin_frame_address(0));
 }
 
-void dSpaceCollide(dSpaceID space, void* data, dNearCallback* callback) {
+void ODEVAL_BEFORE(dSpaceCollide)(dSpaceID space, void* data, dNearCallback* callback) {
   Session::get().collide(reinterpret_cast<dGeomID>(space), nullptr, data, callback, [&] {
     ODEVAL_OWN(dSpaceCollide)(space, data, callback);
   });
 }
 
-void dSpaceCollide2(dGeomID first, dGeomID second, void* data, dNearCallback* callback) {
+void ODEVAL_BEFORE(dSpaceCollide2)(dGeomID first, dGeomID second, void* data, dNearCallback* callback) {
   Session::get().collide(first, second, data, callback, [&] {
     ODEVAL_OWN(dSpaceCollide2)(first, second, data, callback);
   });
 }
 
-void dGeomDestroy(dGeomID geom) {
+void ODEVAL_BEFORE(dGeomDestroy)(dGeomID geom) {
   forget_geom(geom);
   ODEVAL_OWN(dGeomDestroy)(geom);
 }
 
-void dSpaceDestroy(dSpaceID space) {
+void ODEVAL_BEFORE(dSpaceDestroy)(dSpaceID space) {
   forget_geom(reinterpret_cast<dGeomID>(space));
   ODEVAL_OWN(dSpaceDestroy)(space);
 }
@@ -132,24 +132,24 @@ void odeval_audit_name_joint(dJointID joint, const char* name) {
 }
 
 // The handlers that the program reads and writes are its own; ODE has this library's.
-void dSetMessageHandler(dMessageFunction* handler) {
+void ODEVAL_BEFORE(dSetMessageHandler)(dMessageFunction* handler) {
   Session& session = Session::get();
   if (!session.follows()) return ODEVAL_OWN(dSetMessageHandler)(handler);
   session.program_message = handler;
 }
 
-void dSetDebugHandler(dMessageFunction* handler) {
+void ODEVAL_BEFORE(dSetDebugHandler)(dMessageFunction* handler) {
   Session& session = Session::get();
   if (!session.follows()) return ODEVAL_OWN(dSetDebugHandler)(handler);
   session.program_debug = handler;
 }
 
-dMessageFunction* dGetMessageHandler() {
+dMessageFunction* ODEVAL_BEFORE(dGetMessageHandler)() {
   Session& session = Session::get();
   return session.follows() ? session.program_message : ODEVAL_OWN(dGetMessageHandler)();
 }
 
-dMessageFunction* dGetDebugHandler() {
+dMessageFunction* ODEVAL_BEFORE(dGetDebugHandler)() {
   Session& session = Session::get();
   return session.follows() ? session.program_debug : ODEVAL_OWN(dGetDebugHandler)();
 }

@@ -57,9 +57,12 @@ void Worlds::add_contact(dWorldID world, dJointID joint, const dContact& contact
 }
 
 void Worlds::forget(dJointID joint) {
+  const Joint* its = find(joint);
+  if (its != nullptr && its->group != nullptr) return;  // ODE leaves it to its group
   for (World& world : worlds_) {
     if (std::erase_if(world.joints, [joint](const Joint& one) { return one.id == joint; }) > 0) return;
-    if (std::erase_if(world.touches, [joint](const Touch& one) { return one.id == joint; }) > 0) return;
+    if (std::erase_if(world.touches, [joint](const Touch& one) { return one.id == joint && one.group == nullptr; }) > 0)
+      return;
   }
 }
 

@@ -1,0 +1,99 @@
+// The ledger of the audit, of programs (plain.c) whose works are known.
+#include <cmath>
+#include <cstdlib>
+
+#include "audit/judge.hpp"
+#include "tests/check.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace {
+
+using namespace odeval;
+
+constexpr double g = 9.81;
+constexpr double h = 1e-3;
+
+/// Of the program as it is, for some seconds.
+audit::Answer recorded(const std::string& scenario, const std::string& seconds) {
+  const test::TemporaryFolder folder;
+  const std::string record = (folder.path() / "record").string();
+  const std::string command =
+      "env LD_PRELOAD=" ODEVAL_AUDIT_LIBRARY " ODEVAL_AUDIT_LEDGER=1 ODEVAL_AUDIT_RECORD=" + record +
+      " " ODEVAL_PLAIN " " + scenario + " 0.001 " + seconds;
+  CHECK_EQUAL(std::system(command.c_str()), 0);
+  audit::Answer answer;
+  audit::describe(record, answer);
+  return answer;
+}
+
+double of_step(const audit::Answer& answer) { return answer.energy.end_J - answer.energy.begin_J - answer.work.sum(); }
+
+// 2 kg at 2 m/s slide to rest on friction of 0.3: all of 4 J, in 2 / (0.3 g) s. What the box sinks by is 1e-11 m.
+void friction_takes_it_all() {
+  const audit::Answer answer = recorded("friction_slide", "1");
+  CHECK_NEAR(answer.work.contacts, -4.0, 1e-9);
+  CHECK_NEAR(of_step(answer), 0.0, 1e-9);
+  CHECK_EQUAL(answer.joint_summaries.size(), 1U);
+  const audit::JointSummary& contact = answer.joint_summaries.at(0);
+  CHECK_EQUAL(contact.kind, "contact");
+  CHECK_EQUAL(contact.bodies[0], 1U);
+  CHECK_EQUAL(contact.bodies[1], 0U);
+  CHECK_BETWEEN(static_cast<double>(contact.sliding), 2 / (0.3 * g * h) - 1, 2 / (0.3 * g * h) + 1);
+  CHECK_NEAR(contact.friction_share, 1.0, 1e-6);
+  CHECK_NEAR(contact.work_J, answer.work.contacts, 1e-12);
+}
+
+// A kilogram at up to 15 N until it goes at 0.5 m/s. Gravity's own error, m g h v / 2, is the step's. The motor's CFM
+// of 1e-10 is 1e-9 m/s of its speed.
+void a_motor_lifts() {
+  const audit::Answer answer = recorded("motor", "1");
+  CHECK_NEAR(of_step(answer), g * h * 0.5 / 2, 1e-8);
+  CHECK_BETWEEN(answer.work.motors, 4, 5);
+  CHECK_NEAR(answer.work.joints, 0.0, 1e-12);
+  const audit::JointSummary& slider = answer.joint_summaries.at(0);
+  CHECK_EQUAL(slider.kind, "slider");
+  CHECK_EQUAL(slider.at_limit, static_cast<std::uint64_t>(0.5 / ((15 - g) * h)));
+  CHECK_NEAR(slider.force_N, 15.0, 1e-9);
+  CHECK_NEAR(slider.motor_work_J, answer.work.motors, 1e-12);
+}
+
+// What a kilogram that keeps exp(-h) of its velocity in each step, and falls, loses by that, step by step.
+void damping_takes_its_part() {
+  const audit::Answer answer = recorded("damped", "1");
+  const double keeps = std::exp(-h);
+  double across = 1;
+  double down = 0;
+  double lost = 0;
+  for (int step = 0; step < 1000; ++step) {
+    down += g * h;
+    lost += 0.5 * (1 - keeps * keeps) * (across * across + down * down);
+    across *= keeps;
+    down *= keeps;
+  }
+  CHECK_NEAR(answer.work.damping, -lost, 1e-9);
+  CHECK_NEAR(answer.work.contacts + answer.work.joints + answer.work.added, 0.0, 1e-12);
+}
+
+// A controller's torque takes the arm from rest to rest 0.12 rad lower: the gravity that is gone, m g dz.
+void a_controller_takes_what_is_gone() {
+  const audit::Answer answer = recorded("arm", "3");
+  CHECK(answer.work.added < -0.5);
+  CHECK_NEAR(answer.work.added, answer.energy.end_J - answer.energy.begin_J, 1e-5);
+}
+
+// A ball that falls 1 m and comes to rest leaves all of it to its contacts.
+void a_ball_comes_to_rest() {
+  const audit::Answer answer = recorded("bouncing_ball", "5");
+  CHECK_NEAR(answer.work.contacts, -g, 1e-6);
+}
+
+}  // namespace
+
+int main() {
+  friction_takes_it_all();
+  a_motor_lifts();
+  damping_takes_its_part();
+  a_controller_takes_what_is_gone();
+  a_ball_comes_to_rest();
+  return test::verdict();
+}
