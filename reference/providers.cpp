@@ -41,7 +41,7 @@ constexpr std::array table{
     ReferenceProvider{"analytic", has_body_motion, solve_body_reference},
     ReferenceProvider{"lagrange-cvode", chain_in_plane, solve_reference},
 #ifdef ODEVAL_HAVE_SIMBODY
-    ReferenceProvider{"mechanism-cvode", is_tree, solve_tree},
+    ReferenceProvider{"mechanism-cvode", is_tree, solve_tree, true},
 #endif
 };
 

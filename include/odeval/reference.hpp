@@ -35,6 +35,7 @@ struct ReferenceProvider {
   std::string_view method;            // whose mathematics it is, as --method says it: that one is not compared
   bool (*supports)(const Scenario&);  // by what the scenario is made of, not by how it starts
   Reference (*solve)(const Scenario&, const SampleGrid&);
+  bool to_confirm = false;  // by a second formulation, whoever asks for the reference
 };
 
 }  // namespace odeval

@@ -255,6 +255,27 @@ TreeEquations::State TreeEquations::sampled(double t, const double* y) const {
   return after;
 }
 
+TreeEquations::Stiffness TreeEquations::stiffest(const double* y, double step_s) const {
+  Stiffness most;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const Joint& joint = axes_[i].joint;
+    double stiffness = 0;
+    double damping = 0;
+    for (const JointSpring& spring : joint.springs) {
+      stiffness += spring.stiffness;
+      damping += spring.damping;
+    }
+    for (const Controller& controller : joint.controllers) {
+      stiffness += controller.kp;
+      damping += controller.kd;
+    }
+    const double freed = mobility(*simbody_, y, axes_, {i})(0, 0);
+    const double of_step = step_s * freed * std::fmax(step_s * stiffness, damping);
+    if (of_step > most.of_step) most = {i, of_step};
+  }
+  return most;
+}
+
 bool TreeEquations::samples() const {
   return std::ranges::any_of(axes_, [](const Axis& axis) { return axis.held > 0; });
 }

@@ -96,6 +96,14 @@ class TreeEquations {
   State sampled(double t, const double* y) const;
   /// Whether any does.
   bool samples() const;
+  /// Of all axes the one that springs, dampers and controllers move the fastest in a state, and how stiff they are for
+  /// a step: h^2 k / m or h d / m, the larger, where m is what the axis has to move. Above 4, or 2, no explicit step of
+  /// that length is stable. No axis where nothing of the kind acts.
+  struct Stiffness {
+    std::optional<std::size_t> axis = {};
+    double of_step = 0;
+  };
+  Stiffness stiffest(const double* y, double step_s) const;
 
   /// m or rad, and m/s or rad/s, within which a joint is at its stop or at its motor's speed: what locating leaves.
   static constexpr double at_end = 1e-12;

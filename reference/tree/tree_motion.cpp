@@ -23,6 +23,13 @@ constexpr int looks = 4;
 /// So many changes without a way between them are no motion.
 constexpr int most_in_a_row = 100;
 
+/// Steps of CVODE in a millisecond, or in the scenario's step if that is shorter, and some to begin with. A motion that
+/// needs more turns by many radians in a step, or has springs that do: no method with such a step follows it, and CVODE
+/// takes hours to.
+constexpr double most_steps_in_one = 100;
+constexpr double usual_step_s = 1e-3;
+constexpr double steps_to_begin_with = 20'000;
+
 void add_bends(std::vector<double>& bends, const Signal& signal) {
   bends.insert(bends.end(), signal.times_s.begin(), signal.times_s.end());
 }
@@ -36,6 +43,7 @@ double gap(const Axis& axis, const double* y, bool low) {
 TreeMotion::TreeMotion(const TreeEquations& equations, const Scenario& scenario, Tolerances tolerances)
     : equations_(equations),
       name_(scenario.name),
+      file_(scenario.file.empty() ? scenario.name : scenario.file),
       step_s_(scenario.step_s),
       grips_(equations.grips(0, equations.start().data())),
       solver_(
@@ -48,6 +56,25 @@ TreeMotion::TreeMotion(const TreeEquations& equations, const Scenario& scenario,
   }
   std::ranges::sort(bends_);
   solver_.start(0, state_.data());
+}
+
+void TreeMotion::require_progress() {
+  const double step_s = std::fmin(step_s_, usual_step_s);
+  if (static_cast<double>(solver_.steps()) <= steps_to_begin_with + most_steps_in_one * end_ / step_s) return;
+  std::string text = fmt::format(
+      "{}: the motion is too fast for its step: the reference has taken {} steps of CVODE at t = {:.3g} s, "
+      "more than {} in each {:g} s",
+      file_, solver_.steps(), end_, most_steps_in_one, step_s);
+  const TreeEquations::Stiffness stiffest = equations_.stiffest(at(end_).data(), step_s_);
+  if (stiffest.axis) {
+    text += fmt::format(
+        "; most of all springs, dampers and controllers of joint '{}' are too stiff, {:.3g} times what "
+        "a step of that length could follow: make them softer, or the step shorter",
+        equations_.axes()[*stiffest.axis].joint.name, stiffest.of_step);
+  } else {
+    text += "; make the motion slower, or the step shorter";
+  }
+  throw UserError(text);
 }
 
 double TreeMotion::next_known_time() const {
@@ -64,6 +91,7 @@ void TreeMotion::advance() {
     solver_.start(end_, change_->after.data());
     change_.reset();
   }
+  require_progress();
   begin_ = end_;
   const double known = next_known_time();
   if (std::isfinite(known)) solver_.end_by(known);

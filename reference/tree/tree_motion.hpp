@@ -56,6 +56,7 @@ class TreeMotion {
     bool strikes;
   };
 
+  void require_progress();
   double next_known_time() const;
   std::optional<Event> first_event();
   std::optional<double> first_touch(const TreeEquations::Axis& axis, bool low);
@@ -66,7 +67,8 @@ class TreeMotion {
 
   const TreeEquations& equations_;
   std::string name_;
-  double step_s_;  // of controllers that look once a step
+  std::string file_;  // for messages
+  double step_s_;     // the scenario's, at which controllers look
   Grips grips_;
   CvodeSolver solver_;
   State state_;

@@ -8,4 +8,8 @@ namespace odeval::catalogue {
 std::unique_ptr<Simulation> make_accurate_4(const Scenario& scenario, const SampleGrid& grid);
 std::unique_ptr<Simulation> make_accurate_8(const Scenario& scenario, const SampleGrid& grid);
 
+/// Of order 8 again, each step of the grid taken in 1, 2, 4 or 8 steps. Controllers that look once a step look once a
+/// step of the grid.
+std::unique_ptr<Simulation> make_accurate_8_in_parts(const Scenario& scenario, const SampleGrid& grid, int parts);
+
 }  // namespace odeval::catalogue

@@ -4,9 +4,11 @@
 #include <ctime>
 #include <utility>
 
+#include "catalogue/confirmation.hpp"
 #include "measure/body_trace.hpp"
 #include "measure/cartesian_trace.hpp"
 #include "measure/conditioning.hpp"
+#include "measure/explosion.hpp"
 #include "measure/metrics.hpp"
 #include "model/generate.hpp"
 #include "output/number.hpp"
@@ -77,7 +79,10 @@ Evaluator::Evaluator(Scenario scenario, std::shared_ptr<const Reference> referen
 
 const Reference& Evaluator::reference() {
   if (!reference_) {
-    reference_ = std::make_shared<const Reference>(reference::provider_for(scenario_).solve(scenario_, grid_));
+    const ReferenceProvider& provider = reference::provider_for(scenario_);
+    Reference solved = provider.solve(scenario_, grid_);
+    if (provider.to_confirm) confirm(solved, scenario_, grid_);
+    reference_ = std::make_shared<const Reference>(std::move(solved));
   }
   return *reference_;
 }
@@ -98,6 +103,11 @@ Evaluation Evaluator::evaluate(const Method& method, const OdeSettings& ode) {
   const double cpu_s = cpu_seconds() - start;
   Trace trace = read(scenario_, grid_, motion);
   compare(trace, reference());
+  if (const auto row = explosion(scenario_, grid_, trace, reference()); row && !outcome.diverged) {
+    outcome.diverged = true;
+    outcome.reason = "exploded: from t = " + number_text(trace.t[*row]) +
+                     " s on bodies have more than 100 times the energy that the true motion or a fall could give them";
+  }
   if (scenario_.planar) add_conditioning(trace, scenario_, method.inverts);
   Evaluation run{&method, std::move(outcome), std::move(trace), cpu_s};
   Suspects::note(run, scenario_);

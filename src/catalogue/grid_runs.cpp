@@ -95,7 +95,11 @@ std::vector<std::uint32_t> GridRuns::groups(const std::function<void(long run)>&
 sweep::Work GridRuns::work() {
   return {[this](long group) {
             Evaluator evaluator(scenario(first_of_group_[static_cast<std::size_t>(group)]));
-            return reference_bytes(evaluator.reference());
+            try {
+              return reference_bytes(evaluator.reference());
+            } catch (const UserError& error) {  // a motion that cannot be followed: the others can
+              throw MachineError(error.what());
+            }
           },
           [this](long run, long group, std::string_view prepared) { return this->run(run, group, prepared); }};
 }

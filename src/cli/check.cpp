@@ -9,6 +9,7 @@
 #include "cli/progress.hpp"
 #include "cli/settings.hpp"
 #include "measure/metrics.hpp"
+#include "odeval/error.hpp"
 #include "output/checks.hpp"
 #include "output/summary.hpp"
 
@@ -34,6 +35,28 @@ CheckRow::Verdict verdict_of(Judgement judgement) {
   return CheckRow::Verdict::failed;
 }
 
+/// The quantities that a run has, for a message.
+std::string had(const Metrics& metrics) {
+  std::string names;
+  for (const Quantity& row : quantities) {
+    if (!metrics[row.id] || row.scope == Scope::reference) continue;
+    names += (names.empty() ? "" : ", ") + std::string(row.name);
+  }
+  return names;
+}
+
+/// A metric that no run of the scenario has is a mistake of its file, and no tolerance that failed.
+void require_value(const Scenario& scenario, const Tolerance& tolerance, const Metrics& metrics) {
+  if (judged_value(tolerance, metrics)) return;
+  const Quantity& row = *quantity_named(tolerance.metric);
+  const bool in_scope = row.scope != Scope::coordinate || compared(metrics, Scope::coordinate);
+  if (in_scope && may_be_missing(row.id)) return;
+  const auto number = &tolerance - scenario.tolerances.data();
+  throw UserError(scenario.file + ": tolerances." + std::to_string(number) + ".metric = \"" + tolerance.metric +
+                  "\": '" + scenario.name + "' has no such quantity in " + tolerance.method + ", which has " +
+                  had(metrics));
+}
+
 /// Every tolerance of one scenario. Each method runs once, over the scenario's duration or until the last tolerance.
 std::vector<CheckRow> check_scenario(Scenario scenario) {
   for (const Tolerance& tolerance : scenario.tolerances) {
@@ -52,6 +75,7 @@ std::vector<CheckRow> check_scenario(Scenario scenario) {
       const auto& run = found != runs.end() ? found->second
                                             : runs.emplace(tolerance.method, evaluator.evaluate(method)).first->second;
       const Metrics metrics = evaluator.measure(run, tolerance.until_s);
+      require_value(scenario, tolerance, metrics);
       row.measured = judged_value(tolerance, metrics);
       row.reference_uncertainty = uncertainty_of(tolerance, metrics);
       row.verdict = verdict_of(judge(tolerance, metrics));
@@ -77,6 +101,11 @@ int check(const Options& options) {
   std::vector<Chosen> chosen;
   for (const std::string& name : names) {
     scenarios.push_back(options.settings.read(name));
+    if (scenarios.back().tolerances.empty()) {
+      throw UserError(scenarios.back().file +
+                      ": tolerances: 0 tables; must be one table [[tolerances]] at least, for 'check' to hold it "
+                      "against a run");
+    }
     chosen.push_back({scenarios.back(), methods_of_tolerances(scenarios.back())});
   }
   require_read(options.settings.overrides(), chosen);

@@ -64,6 +64,21 @@ std::optional<double> uncertainty_of(const Tolerance& tolerance, const Metrics& 
   return uncertainty_of(limited_by(tolerance).id, metrics);
 }
 
+bool may_be_missing(quantity::Id id) {
+  using namespace quantity;
+  switch (id) {
+    case divergence_time:
+    case rest_time:
+    case time_shift:
+    case time_shift_uncertainty:
+    case error_q_after_shift:
+    case error_position_after_shift:
+      return true;
+    default:
+      return false;
+  }
+}
+
 Judgement judge(const Tolerance& tolerance, const Metrics& metrics) {
   const std::optional<double> value = judged_value(tolerance, metrics);
   const bool may_be_infinite = limited_by(tolerance).id == quantity::divergence_time;

@@ -30,6 +30,10 @@ std::optional<double> judged_value(const Tolerance& tolerance, const Metrics& me
 /// What the reference may be off by in that metric; empty when it is no error against the reference. Throws as above.
 std::optional<double> uncertainty_of(const Tolerance& tolerance, const Metrics& metrics);
 
+/// Whether a run may lack the quantity though its scenario has it: what it dates never happened, or there is nothing to
+/// fit.
+bool may_be_missing(quantity::Id id);
+
 enum class Judgement { kept, failed, undecided };
 
 /// Whether the metrics, taken until the tolerance's time, keep it. An error is judged with the reference's uncertainty

@@ -180,12 +180,27 @@ void check_signal(const Draft& draft, const std::string& path, const Signal& sig
     draft.fail(path + ".times", "", "must rise from each to the next");
   }
 }
-void check_signals(const Draft&, const std::string&, const JointSpring&) {}
-void check_signals(const Draft& draft, const std::string& path, const Signal& torque) {
-  check_signal(draft, path, torque);
+/// Whether it is 0 at every time.
+bool is_nothing(const Signal& signal) {
+  const bool swings = signal.amplitude != 0 && (signal.frequency_Hz != 0 || std::sin(signal.phase_rad) != 0);
+  return signal.constant == 0 && !swings && std::ranges::all_of(signal.values, [](double value) { return value == 0; });
 }
-void check_signals(const Draft& draft, const std::string& path, const Controller& controller) {
+
+void check_load(const Draft& draft, const std::string& path, const JointSpring& spring) {
+  if (spring.stiffness != 0 || spring.damping != 0) return;
+  draft.fail(path, "", "does nothing: stiffness and damping are 0; give one of them, or remove it",
+             Draft::Blame::parts);
+}
+void check_load(const Draft& draft, const std::string& path, const Signal& torque) {
+  check_signal(draft, path, torque);
+  if (!is_nothing(torque)) return;
+  draft.fail(path, "", "does nothing: give a constant, an amplitude with a frequency, or values; or remove it",
+             Draft::Blame::parts);
+}
+void check_load(const Draft& draft, const std::string& path, const Controller& controller) {
   check_signal(draft, path, controller.target);
+  if (controller.kp != 0 || controller.kd != 0) return;
+  draft.fail(path, "", "does nothing: kp and kd are 0; give one of them, or remove it", Draft::Blame::parts);
 }
 
 /// Each acts on a joint that is there, and has one way to go.
@@ -204,7 +219,7 @@ void check_loads(const Draft& draft, const char* list, const std::vector<LoadTab
       draft.fail(path + ".joint", tables[i].joint,
                  fmt::format("is of kind {}; it must be a hinge or a slider", found->kind->word));
     }
-    check_signals(draft, path, tables[i].load);
+    check_load(draft, path, tables[i].load);
   }
 }
 

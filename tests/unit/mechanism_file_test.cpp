@@ -305,6 +305,13 @@ void bad_drives() {
         "controllers.1.joint = joint3: is of kind universal; it must be a hinge");
   wrong("stiffness = 10", "stiffness = -10", "springs.0.stiffness = -10: must be a number from 0");
   wrong("stiffness = 10", "stifness = 10", "springs.0.stifness = 10: is no known key (nearest: 'springs.0.stiffness')");
+  wrong("stiffness = 10\ndamping = 0.5", "damping = 0", "springs.0 does nothing: stiffness and damping are 0");
+  const char* const torque = "constant = 1\namplitude = 2\nfrequency = 3\nphase = 0.5\ntimes = [0, 1]\nvalues = [0, 4]";
+  for (const char* nothing : {"", "amplitude = 0\nfrequency = 3", "amplitude = 2", "times = [0, 1]\nvalues = [0, 0]"}) {
+    wrong(torque, nothing, "torques.0 does nothing: give a constant, an amplitude with a frequency, or values");
+  }
+  CHECK_EQUAL(read(replaced(driven, torque, "amplitude = 2\nphase = 0.5")).mechanism.joints[1].torques.size(), 1U);
+  wrong("kp = 6\nkd = 0.6", "kp = 0", "controllers.0 does nothing: kp and kd are 0");
   wrong("kp = 6\n", "", "controllers.0.kp is missing");
   wrong("sampling = \"continuous\"", "sampling = \"always\"", "controllers.1.sampling = 'always': must be one of step");
   wrong("times = [0, 1]", "times = [1, 1]", "torques.0.times must rise from each to the next");
