@@ -53,8 +53,8 @@ Differences differences(Trace trace, const Reference& reference) {
     for (std::size_t k = 0; k < rows; ++k) {
       worst.position[k] = std::fmax(worst.position[k], trace.error_position[i][k]);
       worst.turn[k] = std::fmax(worst.turn[k], trace.error_turn[i][k]);
-      worst.spin[k] = std::fmax(worst.spin[k], std::hypot(spin[0][k] - wanted[0][k], spin[1][k] - wanted[1][k],
-                                                          spin[2][k] - wanted[2][k]));
+      worst.spin[k] = std::fmax(
+          worst.spin[k], std::hypot(spin[0][k] - wanted[0][k], spin[1][k] - wanted[1][k], spin[2][k] - wanted[2][k]));
     }
   }
   return worst;
@@ -105,8 +105,8 @@ void confirm(Reference& reference, const Scenario& scenario, const SampleGrid& g
   }
   const double steps = static_cast<double>(grid.steps()) * static_cast<double>(plain.mechanism.bodies.size());
   if (3 * steps > most_steps_to_confirm) {
-    reference.origin += not_confirmed("two runs of it take " + three_digits(3 * steps) + " steps of a body, more than " +
-                                      three_digits(most_steps_to_confirm));
+    reference.origin += not_confirmed("two runs of it take " + three_digits(3 * steps) +
+                                      " steps of a body, more than " + three_digits(most_steps_to_confirm));
     return;
   }
   Trace before;

@@ -9,10 +9,10 @@ namespace odeval::catalogue {
 /// Steps of one body that the second formulation may take, all its runs together: a few seconds.
 inline constexpr double most_steps_to_confirm = 2e6;
 
-/// Holds a reference of bodies to the accurate step of order 8: runs on the scenario's own rows with 1, 2, 4 and 8 steps
-/// in each of the scenario's, extrapolated two by two until they agree with the reference or have taken all the steps
-/// they may. In each row the uncertainty is then no less than the difference. The origin says how it went, and why not
-/// where the accurate step can not do the mechanism.
+/// Holds a reference of bodies to the accurate step of order 8: runs on the scenario's own rows with 1, 2, 4 and 8
+/// steps in each of the scenario's, extrapolated two by two until they agree with the reference or have taken all the
+/// steps they may. In each row the uncertainty is then no less than the difference. The origin says how it went, and
+/// why not where the accurate step can not do the mechanism.
 void confirm(Reference& reference, const Scenario& scenario, const SampleGrid& grid);
 
 }  // namespace odeval::catalogue

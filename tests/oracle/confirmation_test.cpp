@@ -21,7 +21,10 @@ Scenario arm(double step_s) {
   Mechanism& mechanism = scenario.mechanism;
   mechanism.bodies = {
       Body{.shape = Box{{1, 0.1, 0.1}}, .mass_kg = 2, .position_m = {0.5, 0, 0}},
-      Body{.shape = Box{{0.8, 0.1, 0.1}}, .mass_kg = 1, .position_m = {1.4, 0, 0}, .velocity_m_s = {0, 0.8, 0},
+      Body{.shape = Box{{0.8, 0.1, 0.1}},
+           .mass_kg = 1,
+           .position_m = {1.4, 0, 0},
+           .velocity_m_s = {0, 0.8, 0},
            .spin_rad_s = {0, 0, 2}},
   };
   mechanism.joints = {Joint{.kind = HingeJoint{{0, 0, 0}, {0, 1, 0}}, .second = {}, .name = "shoulder"},
