@@ -274,6 +274,8 @@ void files_ask_for_what_they_hold() {
       {"cart_pole", {Feature::space, Feature::joints_in_space, Feature::motors, Feature::stops, Feature::loads}},
       {"acrobot", {Feature::space, Feature::joints_in_space, Feature::loads, Feature::inertia}},
       {"motor_lift", {Feature::space, Feature::joints_in_space, Feature::motors}},
+      {"puma560", {Feature::space, Feature::joints_in_space, Feature::loads, Feature::inertia}},
+      {"puma560_falling", {Feature::space, Feature::joints_in_space, Feature::inertia}},
   };
   Names names{catalogue::method_names(), {}};
   for (const Quantity& row : quantities) names.metrics.emplace_back(row.name);
