@@ -99,6 +99,7 @@ class Tree final : public SimbodyTree {
   const std::vector<Placed>& bodies(const double* y) override;
   const std::vector<Placed>& pushed(double dt) override;
   const std::vector<Vec3>& forces(const double* y) override;
+  JointForces joint_forces(const double* y) override;
 
  private:
   struct System;
@@ -280,6 +281,24 @@ const std::vector<Vec3>& Tree::forces(const double* y) {
     forces_[i] = ours(system_->reactions[system_->bodies[i].getMobilizedBodyIndex()][1]);
   }
   return forces_;
+}
+
+SimbodyTree::JointForces Tree::joint_forces(const double* y) {
+  System& system = *system_;
+  system.realize(y, SimTK::Stage::Velocity);
+  SimTK::Vector_<SimTK::SpatialVec> weights(system.matter.getNumBodies(), SimTK::SpatialVec(SimTK::Vec3(0)));
+  for (const SimTK::MobilizedBody& body : system.bodies) {
+    weights[body.getMobilizedBodyIndex()][1] = SimTK::Vec3(0, 0, -body.getBodyMass(system.state) * system.gravity);
+  }
+  SimTK::Vector bias;
+  system.matter.calcResidualForceIgnoringConstraints(system.state, SimTK::Vector(), weights, SimTK::Vector(), bias);
+  SimTK::Matrix mass;
+  system.matter.calcM(system.state, mass);
+  JointForces forces{{}, numbers(bias)};
+  for (int i = 0; i < mass.nrow(); ++i) {
+    for (int j = 0; j < mass.ncol(); ++j) forces.mass.push_back(mass(i, j));
+  }
+  return forces;
 }
 
 }  // namespace

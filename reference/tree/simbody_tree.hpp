@@ -50,6 +50,13 @@ class SimbodyTree {
   virtual const std::vector<Placed>& pushed(double dt) = 0;
   /// The force of what each body hangs on, on it, N, world frame; stays until the next call.
   virtual const std::vector<Vec3>& forces(const double* y) = 0;
+
+  /// The matrix of all speeds in their order in a state, by rows, and the forces that keep their rates at 0.
+  struct JointForces {
+    std::vector<double> mass;
+    std::vector<double> bias;
+  };
+  virtual JointForces joint_forces(const double* y) = 0;
 };
 
 /// The tree is the mechanism's, whose joints start closed. Loads Simbody, which takes longer than most runs and brings

@@ -25,6 +25,8 @@ constexpr std::array table{
     Command{"check", "every tolerance of the scenario files; exit status 1 if one fails", attach_check},
     Command{"compare", "two folders of results: same bytes, same within uncertainty, or different (exit 1)",
             attach_compare},
+    Command{"convert", "the scenario file of a robot's file (URDF, SDFormat), and what of it was not taken",
+            attach_convert},
     Command{"audit", "how wrong is a running ODE program? It is run unchanged and at smaller steps", attach_audit},
     Command{"judge", "a trace of one's own beside a scenario's reference, or beside its run at half the step",
             attach_judge},

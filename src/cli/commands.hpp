@@ -52,6 +52,7 @@ Action attach_recommend(Flags& flags);
 Action attach_snapshot(Flags& flags);
 Action attach_check(Flags& flags);
 Action attach_compare(Flags& flags);
+Action attach_convert(Flags& flags);
 Action attach_audit(Flags& flags);
 Action attach_judge(Flags& flags);
 Action attach_report(Flags& flags);

@@ -5,9 +5,11 @@
 #include "cli/commands.hpp"
 #include "cli/flags.hpp"
 #include "cli/progress.hpp"
+#include "cli/robots.hpp"
 #include "cli/run_files.hpp"
 #include "cli/settings.hpp"
 #include "odeval/error.hpp"
+#include "output/file.hpp"
 #include "output/run_report.hpp"
 
 namespace odeval::cli {
@@ -38,7 +40,8 @@ std::optional<double> half_step_leaves(const std::vector<RunSummary>& runs) {
 }
 
 int run(const Options& options) {
-  const Scenario scenario = options.settings.read(options.scenario);
+  const std::filesystem::path file = scenario_file(options.scenario);
+  const Scenario scenario = options.settings.read_file(file);
   const auto methods = chosen_methods(options.methods, scenario);
   require_read(options.settings.overrides(), {{{scenario, methods}}});
   const std::filesystem::path place = std::filesystem::path(options.out) / scenario.name;
@@ -46,6 +49,7 @@ int run(const Options& options) {
     throw UserError("--out " + options.out + ": " + place.string() + " holds results of " + other +
                     "; give another folder, or every method there");
   }
+  const std::optional<ProvedRobot> robot = proved_robot(file, options.settings.import_options(file));
   catalogue::Evaluator evaluator(scenario);
 
   std::vector<RunSummary> summaries;
@@ -64,11 +68,13 @@ int run(const Options& options) {
       diverged = diverged || run.outcome.diverged;
     }
     folder.write_summaries(summaries);
+    if (robot) write_whole(place / "import.json", robot->json(file));
   }
 
   if (options.json) {
     std::cout << summaries_json(summaries);
   } else if (!options.quiet) {
+    if (robot) std::cout << robot->report() << '\n';
     std::cout << run_report(summaries, ns_per_step, evaluator.reference(), half_step_leaves(summaries)) << "\nwrote "
               << place.string() << "/\n";
   }
@@ -79,7 +85,7 @@ int run(const Options& options) {
 
 Action attach_run(Flags& flags) {
   const auto options = std::make_shared<Options>();
-  flags.add_option("SCENARIO", options->scenario, "a name ('odeval list') or a .toml file").required();
+  flags.add_option("SCENARIO", options->scenario, "a name ('odeval list') or a .toml, .urdf or .sdf file").required();
   add_method_option(flags, options->methods);
   add_out_option(flags, options->out);
   flags.add_flag("--quiet", options->quiet, "no table, no progress");

@@ -70,6 +70,7 @@ void Settings::attach(Flags& flags) {
       .type_name("KEY=VALUE")
       .one_value()
       .group("Settings, each on top of the scenario file");
+  robot_.attach(flags);
 }
 
 std::filesystem::path scenario_file(const std::string& name_or_path) {
@@ -77,8 +78,17 @@ std::filesystem::path scenario_file(const std::string& name_or_path) {
 }
 
 Scenario Settings::read(const std::string& name_or_path) const {
-  return read_scenario(scenario_file(name_or_path), overrides(), known_names());
+  const std::filesystem::path file = scenario_file(name_or_path);
+  Scenario scenario = read_file(file);
+  tell_of_import(file);
+  return scenario;
 }
+
+Scenario Settings::read_file(const std::filesystem::path& file) const {
+  return read_scenario(file, overrides(), known_names(), import_options(file));
+}
+
+ImportOptions Settings::import_options(const std::filesystem::path& file) const { return robot_.options(file); }
 
 std::vector<Override> Settings::overrides() const {
   std::vector<Override> overrides;

@@ -9,6 +9,7 @@
 
 #include "catalogue/methods.hpp"
 #include "cli/flags.hpp"
+#include "cli/robots.hpp"
 #include "model/read_scenario.hpp"
 
 namespace odeval::cli {
@@ -18,8 +19,14 @@ class Settings {
   /// Adds `--step`, `--duration`, ... and `--set` to a command.
   void attach(Flags& flags);
 
-  /// Reads a scenario by name or path with the flags on top. Throws UserError.
+  /// Reads a scenario by name or path with the flags on top. Of a robot's file a line on standard error says that rules
+  /// were applied. Throws UserError.
   Scenario read(const std::string& name_or_path) const;
+  /// The same of a file, without that line.
+  Scenario read_file(const std::filesystem::path& file) const;
+
+  /// How robots' files are read. Throws UserError where the flags say so and the file is none.
+  ImportOptions import_options(const std::filesystem::path& file) const;
 
   /// The flags that were typed, in the order in which they count. Throws UserError where two give the same key.
   std::vector<Override> overrides() const;
@@ -33,6 +40,7 @@ class Settings {
   };
   std::deque<KeyFlag> flags_;  // stable addresses: the parser writes into them
   std::vector<std::string> sets_;
+  RobotFlags robot_;
 };
 
 /// `--method M[,M...]` and `--out DIR`, as every command that has them spells them.

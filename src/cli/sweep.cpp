@@ -139,7 +139,9 @@ void remove_parts(const fs::path& journal) {
 }
 
 int sweep_grid(const Options& options) {
-  const ScenarioFile file(scenario_file(options.scenario));
+  const std::filesystem::path path = scenario_file(options.scenario);
+  const ScenarioFile file(path, options.settings.import_options(path));
+  tell_of_import(path);
   const std::vector<Override> settings = options.settings.overrides();
   std::vector<sweep::Axis> axes = axes_of(options, settings);
   const std::vector<Override> first = first_of(settings, axes);

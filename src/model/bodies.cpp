@@ -62,6 +62,11 @@ void check_bodies(const Draft& draft) {
     draft.fail("bodies", "0 tables",
                fmt::format("must be tables [[bodies]], at least one, for {}", draft.said.problem->name));
   }
+  constexpr std::size_t most = 1024;  // as links of a chain
+  if (draft.said.bodies.size() > most) {
+    draft.fail("bodies", fmt::format("{} tables", draft.said.bodies.size()),
+               fmt::format("must be at most {} tables [[bodies]]", most));
+  }
   for (std::size_t i = 0; i < draft.said.bodies.size(); ++i) {
     const auto& [x, y, z] = draft.said.bodies[i].size_m;
     if (draft.said.bodies[i].sphere && (x != y || x != z)) {

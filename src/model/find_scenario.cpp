@@ -6,6 +6,7 @@
 
 #include "model/nearest.hpp"
 #include "model/one_line.hpp"
+#include "model/robot_reader.hpp"
 #include "odeval/error.hpp"
 
 namespace odeval {
@@ -27,7 +28,8 @@ std::vector<std::string> scenario_names(const fs::path& folder) {
 }
 
 fs::path find_scenario(const std::string& name_or_path, const fs::path& folder) {
-  if (name_or_path.find('/') != std::string::npos || name_or_path.ends_with(".toml")) return name_or_path;
+  const bool path = name_or_path.find('/') != std::string::npos || name_or_path.ends_with(".toml");
+  if (path || is_robot_file(name_or_path)) return name_or_path;
   const std::vector<std::string> names = scenario_names(folder);
   if (std::find(names.begin(), names.end(), name_or_path) != names.end()) return folder / (name_or_path + ".toml");
   if (names.empty()) {

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +9,7 @@
 
 #include "model/draft.hpp"
 #include "model/generate.hpp"
+#include "model/inertia.hpp"
 #include "model/joint_kinds.hpp"
 #include "model/nearest.hpp"
 
@@ -46,29 +48,11 @@ void name_joints(Draft& draft) {
   }
 }
 
-/// Masses can be spread to give it: no moment about any axis is larger than the other two together, and none is zero.
+/// No moment of a body is zero.
 void check_inertia(const Draft& draft, std::size_t body) {
-  if (!draft.said.bodies[body].inertia_kgm2) return;
-  const auto [xx, yy, zz, xy, xz, yz] = *draft.said.bodies[body].inertia_kgm2;
-  const Vec3 products{xy, xz, yz};
-  const auto least_minors = [&](double a, double b, double c, double sign) {
-    const auto [de, df, ef] = sign * products;
-    return std::array{std::min({a, b, c}), std::min({a * b - de * de, a * c - df * df, b * c - ef * ef}),
-                      a * b * c + 2 * de * df * ef - a * ef * ef - b * df * df - c * de * de};
-  };
-  // The second moments of the mass, half the trace minus the tensor, are no less than zero in any direction.
-  const double half = (xx + yy + zz) / 2;
-  const auto spread = least_minors(half - xx, half - yy, half - zz, -1);
-  const auto turning = least_minors(xx, yy, zz, 1);
-  bool possible = true;
-  double size = 1;
-  for (std::size_t k = 0; k < 3; ++k) {
-    size *= half;
-    constexpr double rounding = 1e-12;  // of the numbers in a file
-    possible = possible && spread[k] >= -rounding * size && turning[k] > rounding * size;
-  }
-  if (possible) return;
-  draft.fail(path_of("bodies", body, "inertia"), fmt::format("[{}, {}, {}, {}, {}, {}]", xx, yy, zz, xy, xz, yz),
+  const auto& inertia = draft.said.bodies[body].inertia_kgm2;
+  if (!inertia || is_inertia(*inertia, true)) return;
+  draft.fail(path_of("bodies", body, "inertia"), fmt::format("[{}]", fmt::join(*inertia, ", ")),
              "is of no body: each principal moment must be above 0, and at most the sum of the other two");
 }
 

@@ -9,6 +9,7 @@
 #include "model/draft.hpp"
 #include "model/generate.hpp"
 #include "model/one_line.hpp"
+#include "model/robot_reader.hpp"
 #include "odeval/error.hpp"
 
 namespace odeval {
@@ -96,15 +97,17 @@ void generate(const Description& said, Scenario& scenario) {
 
 }  // namespace
 
-Scenario read_scenario(const std::filesystem::path& file, const std::vector<Override>& overrides, const Names& names) {
-  return ScenarioFile(file).read(overrides, names);
+Scenario read_scenario(const std::filesystem::path& file, const std::vector<Override>& overrides, const Names& names,
+                       const ImportOptions& options) {
+  return ScenarioFile(file, options).read(overrides, names);
 }
 
 struct ScenarioFile::Tree {
   toml::table table;
 };
 
-ScenarioFile::ScenarioFile(std::filesystem::path file) : ScenarioFile(file, scenario_text(file)) {}
+ScenarioFile::ScenarioFile(std::filesystem::path file, const ImportOptions& options)
+    : ScenarioFile(file, is_robot_file(file) ? import_robot(file, options).toml : scenario_text(file)) {}
 
 ScenarioFile::ScenarioFile(std::filesystem::path file, std::string_view text)
     : file_(std::move(file)), tree_(new Tree{toml_tree(file_, text)}) {}

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "model/import_robot.hpp"
 #include "model/override.hpp"
 #include "model/scenario_keys.hpp"
 #include "odeval/scenario.hpp"
@@ -16,13 +17,15 @@ namespace odeval {
 ///
 /// Names   methods and metrics the file may name
 /// Throws  UserError of one line: file or flag, key, value and what would be right
-Scenario read_scenario(const std::filesystem::path& file, const std::vector<Override>& overrides, const Names& names);
+Scenario read_scenario(const std::filesystem::path& file, const std::vector<Override>& overrides, const Names& names,
+                       const ImportOptions& options = {});
 
 /// A scenario file that is loaded once and read many times, each time with other settings on top.
 class ScenarioFile {
  public:
-  /// Throws UserError when the file cannot be read or is not TOML.
-  explicit ScenarioFile(std::filesystem::path file);
+  /// A robot's file is read as the scenario file that is made of it. Throws UserError when the file cannot be read or
+  /// is not TOML.
+  explicit ScenarioFile(std::filesystem::path file, const ImportOptions& options = {});
   /// The same with the file's text at hand; `file` is its name.
   ScenarioFile(std::filesystem::path file, std::string_view text);
   ~ScenarioFile();

@@ -9,6 +9,7 @@
 
 #include "engines/ode/library.hpp"
 #include "engines/ode/make.hpp"
+#include "engines/ode/take_back.hpp"
 #include "odeval/error.hpp"
 
 #if defined(dIDESINGLE)
@@ -42,7 +43,7 @@ extern "C" __attribute__((visibility("default"))) const Module& ODEVAL_ENTRY() {
     }
 #endif
     return Module{ODEVAL_PRECISION, dODE_VERSION,    ODEVAL_ODE_PACKAGE, dGetConfiguration(),
-                  &make_step,       &make_quickstep, &make_stepped};
+                  &make_step,       &make_quickstep, &make_stepped,      &take_back};
   }();
   return module;
 }

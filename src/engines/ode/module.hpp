@@ -17,6 +17,8 @@ struct Module {
   MakeSimulation make_quickstep;  // dWorldQuickStep
   /// The same world, moved by another stepper.
   std::unique_ptr<Simulation> (*make_stepped)(const Scenario&, const SampleGrid&, MakeStepper);
+  /// What the world holds before any motion (take_back.hpp).
+  Mechanism (*take_back)(const Scenario&);
 };
 
 /// The modules of this build. Each checks on first use that headers and library have its precision and throws

@@ -1,0 +1,121 @@
+#pragma once
+// What a robot's file says (URDF, SDFormat), as it says it: links in frames of their own, joints between them.
+//
+// A scenario is made of it (src/model), and what KDL makes of the same is held beside that scenario (reference/tree).
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "odeval/geometry.hpp"
+
+namespace odeval {
+
+/// A frame in another: where its origin stands there, and how it is turned.
+struct Frame {
+  Vec3 position_m{};
+  Rotation rotation{1, 0, 0, 0, 1, 0, 0, 0, 1};
+};
+
+/// One after the other: a frame in a frame.
+constexpr Rotation operator*(const Rotation& a, const Rotation& b) {
+  Rotation ab{};
+  for (std::size_t column = 0; column < 3; ++column) {
+    const Vec3 turned_axis = turned(a, axis_of(b, column));
+    for (std::size_t row = 0; row < 3; ++row) ab[3 * row + column] = turned_axis[row];
+  }
+  return ab;
+}
+constexpr Frame operator*(const Frame& a, const Frame& b) {
+  return {a.position_m + turned(a.rotation, b.position_m), a.rotation * b.rotation};
+}
+constexpr Rotation transposed(const Rotation& r) { return {r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]}; }
+/// The other frame in this one.
+constexpr Frame inverse(const Frame& frame) {
+  const Rotation back = transposed(frame.rotation);
+  return {-1.0 * turned(back, frame.position_m), back};
+}
+
+/// Of a quaternion of any length but 0.
+inline Rotation rotation_of_quaternion(double w, double x, double y, double z) {
+  const double s = 2 / (w * w + x * x + y * y + z * z);
+  return {1 - s * (y * y + z * z), s * (x * y - w * z),     s * (x * z + w * y),
+          s * (x * y + w * z),     1 - s * (x * x + z * z), s * (y * z - w * x),
+          s * (x * z - w * y),     s * (y * z + w * x),     1 - s * (x * x + y * y)};
+}
+/// A turn about a unit vector.
+inline Rotation rotation_about(const Vec3& axis, double angle_rad) {
+  const double half = std::sin(angle_rad / 2);
+  return rotation_of_quaternion(std::cos(angle_rad / 2), half * axis[0], half * axis[1], half * axis[2]);
+}
+
+/// Links on joints. Numbers of links and joints are places in these lists.
+struct Robot {
+  /// Six numbers about the centre of mass: xx, yy, zz, xy, xz, yz.
+  using Inertia = std::array<double, 6>;
+
+  struct Mass {
+    double mass_kg = 0;
+    Frame frame;           // of the centre of mass, in the link's
+    Inertia inertia_kgm2;  // along that frame's axes
+  };
+  /// What a link may touch with.
+  struct Solid {
+    enum class Form { box, sphere, cylinder, capsule, plane, mesh, other };
+    Form form = Form::box;
+    Frame frame;          // of its centre, in the link's
+    Vec3 sides_m{};       // of the box around it, along its own axes; a cylinder's and a capsule's way is z
+    std::string file{};   // of a mesh, as it is named; of another form its name
+    Vec3 scale{1, 1, 1};  // of a mesh
+  };
+  struct Link {
+    std::string name;
+    std::optional<Mass> mass = {};
+    std::vector<Solid> solids = {};
+  };
+  struct Joint {
+    enum class Kind { fixed, hinge, slider, ball, universal, free };
+    std::string name;
+    Kind kind = Kind::fixed;
+    std::optional<std::size_t> parent;  // number of a link before it; absent: the world
+    Frame frame;                        // of the joint in the parent's, when all joints are at 0
+    Frame link;                         // of the child, in the joint's
+    Vec3 axis{1, 0, 0};                 // unit, in the joint's frame; of a universal joint the parent's
+    Vec3 axis2{0, 1, 0};                // of a universal joint the child's
+    std::optional<std::pair<double, double>> limits_q = {};  // rad or m
+    double damping = 0;                                      // N m s/rad or N s/m
+    double friction = 0;                                     // N m or N
+    double stiffness = 0;                                    // N m/rad or N/m
+    double rest = 0;                                         // rad or m, of that spring
+    double start = 0;                                        // where it stands at t = 0, rad or m
+  };
+  /// What is read by a rule that is worth saying, or not at all.
+  struct Remark {
+    std::string what;               // "visual shapes"
+    std::string rule;               // "not taken: ..."
+    std::vector<std::string> of{};  // names of links, joints or elements
+  };
+
+  std::string name;
+  std::string format;  // "URDF", "SDFormat 1.6"
+  std::vector<Link> links;
+  std::vector<Joint> joints;  // one a link, of the same number: what it hangs on, from the world outwards
+  std::vector<Remark> remarks;
+  std::vector<std::pair<std::string, std::string>> settings{};  // keys of a scenario file and their values as in one
+  double gravity = 9.81;                                        // m/s², along -z
+
+  /// Adds a name to the remark of that text.
+  void remark(const std::string& what, const std::string& rule, const std::string& of) {
+    for (Remark& known : remarks) {
+      if (known.what != what || known.rule != rule) continue;
+      known.of.push_back(of);
+      return;
+    }
+    remarks.push_back({what, rule, {of}});
+  }
+};
+
+}  // namespace odeval

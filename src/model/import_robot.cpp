@@ -1,0 +1,441 @@
+#include "model/import_robot.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "model/inertia.hpp"
+#include "model/joint_kinds.hpp"
+#include "model/mesh_box.hpp"
+#include "model/one_line.hpp"
+#include "model/robot_reader.hpp"
+#include "odeval/error.hpp"
+
+namespace odeval {
+namespace {
+
+using Kind = Robot::Joint::Kind;
+using Form = Robot::Solid::Form;
+
+/// A symmetric tensor, by rows.
+Rotation tensor_of(const Robot::Inertia& i) { return {i[0], i[3], i[4], i[3], i[1], i[5], i[4], i[5], i[2]}; }
+
+/// Of a rotation, its length from 0 to pi.
+Vec3 rotation_vector_of(const Rotation& r) {
+  // The quaternion, from its largest element.
+  const std::array squares{1 + r[0] + r[4] + r[8], 1 + r[0] - r[4] - r[8], 1 - r[0] + r[4] - r[8],
+                           1 - r[0] - r[4] + r[8]};
+  const auto largest = static_cast<std::size_t>(std::ranges::max_element(squares) - squares.begin());
+  const Vec3 odd{r[7] - r[5], r[2] - r[6], r[3] - r[1]};
+  std::array<double, 4> q{};
+  if (largest == 0) {
+    q = {squares[0], odd[0], odd[1], odd[2]};
+  } else {
+    const std::size_t i = largest - 1;
+    const std::size_t j = (i + 1) % 3;
+    const std::size_t k = (i + 2) % 3;
+    q[0] = odd[i];
+    q[i + 1] = squares[largest];
+    q[j + 1] = r[3 * i + j] + r[3 * j + i];
+    q[k + 1] = r[3 * i + k] + r[3 * k + i];
+  }
+  if (q[0] < 0) q = {-q[0], -q[1], -q[2], -q[3]};
+  const Vec3 part{q[1], q[2], q[3]};
+  const double sine = length(part);
+  if (sine == 0) return {};
+  return (2 * std::atan2(sine, q[0]) / sine) * part;
+}
+
+/// How a joint's halves stand against each other.
+Frame moved(const Robot::Joint& joint) {
+  if (joint.kind == Kind::hinge) return {{}, rotation_about(joint.axis, joint.start)};
+  if (joint.kind == Kind::slider) return {joint.start * joint.axis, Frame{}.rotation};
+  return {};
+}
+
+/// Words of a scenario file made of those of a robot's, no two the same.
+class NamesInFile {
+ public:
+  explicit NamesInFile(Robot& robot) : robot_(robot) {}
+
+  std::string of(const std::string& name, const std::string& fallback) {
+    std::string word = name.empty() ? fallback : name;
+    for (char& letter : word) {
+      const auto code = static_cast<unsigned char>(letter);
+      if (std::isalnum(code) == 0 && letter != '_' && letter != '-') letter = '_';
+    }
+    constexpr std::size_t longest = 40;
+    if (word.size() > longest) word.resize(longest);
+    const std::string cut = word.substr(0, longest - 4);
+    for (int number = 2; used_.contains(word) || word == world_name; ++number) word = fmt::format("{}_{}", cut, number);
+    used_.insert(word);
+    if (!name.empty() && word != name) {
+      robot_.remark("names", "written with letters, digits, '_' and '-', at most 40",
+                    fmt::format("{} as {}", one_line(name, 60), word));
+    }
+    return word;
+  }
+
+ private:
+  Robot& robot_;
+  std::set<std::string> used_;
+};
+
+/// Links that move as one.
+struct Lump {
+  std::size_t base = 0;  // number of its first link
+  std::string name;
+  std::vector<std::size_t> links = {};
+  double mass_kg = 0;
+  Vec3 centre_m{};     // in the frame of the first
+  Rotation inertia{};  // about it, along the axes of the first
+  Vec3 sides_m{};      // of a box that is drawn for it
+};
+
+class Import {
+ public:
+  Import(const std::filesystem::path& file, Robot robot, const ImportOptions& options)
+      : file_(file),
+        options_(options),
+        out_{std::move(robot)},
+        robot_(out_.robot),
+        body_names_(robot_),
+        joint_names_(robot_) {}
+
+  Imported run() {
+    set_base();
+    settle_joints();
+    place_links();
+    lump_links();
+    for (Lump& lump : lumps_) weigh(lump);
+    for (Lump& lump : lumps_) lump.sides_m = sides_of(lump);
+    remark_shapes();
+    write();
+    return std::move(out_);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const {
+    throw UserError(fmt::format("{}: {}", one_line(file_.string()), what));
+  }
+  static std::string named(const std::string& name) { return one_line(name, 60); }
+
+  void set_base() {
+    if (robot_.format != "URDF") return;
+    Robot::Joint& base = robot_.joints.front();
+    const std::string& link = robot_.links.front().name;
+    if (options_.base_free) {
+      base.kind = Kind::free;
+      robot_.remark("root link", "flies, as --base free asks", link);
+    } else {
+      robot_.remark("root link", "fixed in the world; --base free lets it fly", link);
+    }
+  }
+
+  void check_number(const Robot::Joint& joint, const char* key, double value, double least, double most) const {
+    if (value >= least && value <= most) return;
+    fail(fmt::format("joint '{}': {} = {}: must be from {:g} to {:g}", named(joint.name), key, value, least, most));
+  }
+
+  void settle_joints() {
+    std::size_t moving = 0;
+    for (Robot::Joint& joint : robot_.joints) {
+      if (joint.kind != Kind::fixed && joint.kind != Kind::free) ++moving;
+      if (joint.kind == Kind::fixed && !joint.name.empty()) {
+        robot_.remark("fixed joints", "none in the scenario: what they hold together is one body", joint.name);
+      }
+      check_number(joint, "damping", joint.damping, 0, 1e12);
+      check_number(joint, "friction", joint.friction, 0, 1e9);
+      check_number(joint, "spring_stiffness", joint.stiffness, 0, 1e12);
+      settle_limits(joint);
+    }
+    if (moving == 0) fail("has no joint that moves; one is wanted that is not fixed or floating");
+  }
+
+  /// A joint starts at 0, or where it may not at the middle of its way.
+  void settle_limits(Robot::Joint& joint) {
+    if (!joint.limits_q) return;
+    const auto [low, high] = *joint.limits_q;
+    check_number(joint, "limit lower", low, -1e300, 1e300);
+    check_number(joint, "limit upper", high, -1e300, 1e300);
+    if (!(low < high)) {
+      if (low > high) {
+        fail(fmt::format("joint '{}': limit lower = {}: must be at most upper, {}", named(joint.name), low, high));
+      }
+      robot_.remark("limits", "not taken: the lower is the upper one", joint.name);
+      joint.limits_q.reset();
+      return;
+    }
+    if (low > 0 || high < 0) {
+      joint.start = low + (high - low) / 2;
+      robot_.remark("start", "at the middle of the limits, which 0 is outside of",
+                    fmt::format("{} at {:.6g}", joint.name, joint.start));
+    }
+    const double most = joint.kind == Kind::hinge ? std::numbers::pi : 1e4;  // of a file's stops
+    if (low - joint.start > -most && high - joint.start < most) return;
+    robot_.remark("limits",
+                  joint.kind == Kind::hinge ? "not taken: ODE has no stops beyond half a turn from the start"
+                                            : "not taken: 10 km or more from the start",
+                  joint.name);
+    joint.limits_q.reset();
+  }
+
+  void place_links() {
+    for (const Robot::Joint& joint : robot_.joints) {
+      const Frame half = (joint.parent ? places_[*joint.parent] : Frame{}) * joint.frame;
+      joint_places_.push_back(half);
+      places_.push_back(half * moved(joint) * joint.link);
+      for (const double x : places_.back().position_m) {
+        if (!(std::fabs(x) <= 1e4)) {
+          fail(fmt::format("joint '{}': origin: puts a link {:g} m away; at most 10 km are allowed", named(joint.name),
+                           x));
+        }
+      }
+    }
+  }
+
+  void lump_links() {
+    for (std::size_t i = 0; i < robot_.links.size(); ++i) {
+      const Robot::Joint& joint = robot_.joints[i];
+      if (joint.kind == Kind::fixed) {
+        out_.body_of.push_back(joint.parent ? out_.body_of[*joint.parent] : std::nullopt);
+      } else {
+        out_.body_of.push_back(lumps_.size());
+        lumps_.push_back({.base = i, .name = body_names_.of(robot_.links[i].name, "link")});
+      }
+      if (out_.body_of[i]) {
+        lumps_[*out_.body_of[i]].links.push_back(i);
+      } else if (robot_.links[i].mass && robot_.links[i].mass->mass_kg > 0) {
+        robot_.remark("mass", "not taken: the link stands in the world", robot_.links[i].name);
+      }
+    }
+    constexpr std::size_t most = 1024;
+    if (lumps_.size() > most) fail(fmt::format("has {} links that move; at most {} are taken", lumps_.size(), most));
+  }
+
+  void check_mass(const Robot::Link& link) const {
+    const Robot::Mass& mass = *link.mass;
+    if (!(mass.mass_kg >= 0 && mass.mass_kg <= 1e6)) {
+      fail(fmt::format("link '{}': mass = {}: must be from 0 to 1e6 kg", named(link.name), mass.mass_kg));
+    }
+    if (is_inertia(mass.inertia_kgm2, false)) return;
+    const Robot::Inertia& i = mass.inertia_kgm2;
+    fail(
+        fmt::format("link '{}': inertia ixx {}, iyy {}, izz {}, ixy {}, ixz {}, iyz {}: is of no body: each principal "
+                    "moment must be at most the sum of the other two",
+                    named(link.name), i[0], i[1], i[2], i[3], i[4], i[5]));
+  }
+
+  /// All masses of the lump as one, about their common centre.
+  void weigh(Lump& lump) const {
+    const Frame from_world = inverse(places_[lump.base]);
+    const auto each = [&](auto use) {
+      for (const std::size_t i : lump.links) {
+        if (const auto& mass = robot_.links[i].mass) use(*mass, from_world * places_[i] * mass->frame);
+      }
+    };
+    for (const std::size_t i : lump.links) {
+      if (robot_.links[i].mass) check_mass(robot_.links[i]);
+    }
+    each([&](const Robot::Mass& mass, const Frame& at) {
+      lump.mass_kg += mass.mass_kg;
+      lump.centre_m = lump.centre_m + mass.mass_kg * at.position_m;
+    });
+    const Robot::Link& base = robot_.links[lump.base];
+    const Robot::Joint& joint = robot_.joints[lump.base];
+    const std::string on = joint.name.empty() ? "freely" : fmt::format("on joint '{}'", named(joint.name));
+    if (lump.mass_kg == 0) {
+      fail(fmt::format("link '{}': moves {} and has no mass, nor has what is fixed to it; it needs an <inertial>",
+                       named(base.name), on));
+    }
+    if (!(lump.mass_kg >= 1e-6 && lump.mass_kg <= 1e6)) {
+      fail(fmt::format("link '{}': mass = {}: must be from 1e-6 to 1e6 kg, with what is fixed to it", named(base.name),
+                       lump.mass_kg));
+    }
+    lump.centre_m = (1 / lump.mass_kg) * lump.centre_m;
+    each([&](const Robot::Mass& mass, const Frame& at) {
+      const Rotation own = at.rotation * tensor_of(mass.inertia_kgm2) * transposed(at.rotation);
+      const Vec3 arm = at.position_m - lump.centre_m;
+      for (std::size_t row = 0; row < 3; ++row) {
+        for (std::size_t column = 0; column < 3; ++column) {
+          const double steiner = (row == column ? dot(arm, arm) : 0) - arm[row] * arm[column];
+          lump.inertia[3 * row + column] += own[3 * row + column] + mass.mass_kg * steiner;
+        }
+      }
+    });
+    if (is_inertia(inertia_of(lump), true)) return;
+    fail(fmt::format("link '{}': inertia: moves {} and has a moment of inertia of 0, with what is fixed to it",
+                     named(base.name), on));
+  }
+
+  static Robot::Inertia inertia_of(const Lump& lump) {
+    const Rotation& i = lump.inertia;
+    return {i[0], i[4], i[8], (i[1] + i[3]) / 2, (i[2] + i[6]) / 2, (i[5] + i[7]) / 2};
+  }
+
+  /// The box around its shapes, or without them the box that has its moments.
+  Vec3 sides_of(const Lump& lump) {
+    constexpr double huge = 1e9;
+    Vec3 low{huge, huge, huge};
+    Vec3 high{-huge, -huge, -huge};
+    const Frame from_world = inverse(places_[lump.base]);
+    bool any = false;
+    for (const std::size_t i : lump.links) {
+      for (const Robot::Solid& said : robot_.links[i].solids) {
+        const auto solid = with_sides(robot_.links[i], said);
+        if (!solid) continue;
+        any = true;
+        const Frame at = from_world * places_[i] * solid->frame;
+        for (std::size_t k = 0; k < 3; ++k) {
+          double half = 0;
+          for (std::size_t side = 0; side < 3; ++side) {
+            half += std::fabs(at.rotation[3 * k + side]) * solid->sides_m[side] / 2;
+          }
+          low[k] = std::fmin(low[k], at.position_m[k] - half);
+          high[k] = std::fmax(high[k], at.position_m[k] + half);
+        }
+      }
+    }
+    Vec3 sides = high - low;
+    const double trace = lump.inertia[0] + lump.inertia[4] + lump.inertia[8];
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (!any) sides[k] = std::sqrt(std::fmax(0, 6 * (trace - 2 * lump.inertia[4 * k]) / lump.mass_kg));
+      sides[k] = std::clamp(sides[k], 1e-4, 1e3);  // what a file may have
+    }
+    return sides;
+  }
+
+  /// With the sides of a mesh; nothing where those are not known.
+  std::optional<Robot::Solid> with_sides(const Robot::Link& link, const Robot::Solid& said) {
+    if (said.form == Form::plane || said.form == Form::other) return std::nullopt;
+    if (said.form != Form::mesh) return said;
+    if (options_.refuse_meshes) {
+      fail(
+          fmt::format("link '{}': mesh = {}: is refused, as --meshes refuse asks", named(link.name), named(said.file)));
+    }
+    const std::optional<MeshBox> box = mesh_box(file_, said.file, fmt::format("link '{}'", named(link.name)));
+    if (!box) return std::nullopt;
+    Robot::Solid solid = said;
+    Vec3 centre = box->centre_m;
+    for (std::size_t k = 0; k < 3; ++k) {
+      centre[k] *= said.scale[k];
+      solid.sides_m[k] = std::fabs(said.scale[k]) * box->sides_m[k];
+    }
+    solid.frame = said.frame * Frame{centre, Frame{}.rotation};
+    return solid;
+  }
+
+  void remark_shapes() {
+    for (const Robot::Link& link : robot_.links) {
+      for (const Robot::Solid& solid : link.solids) {
+        const bool mesh = solid.form == Form::mesh;
+        if (mesh && !has_mesh_box(solid.file)) {
+          robot_.remark("meshes", "not taken: of a format that is not read; STL and OBJ are", solid.file);
+        } else if (mesh) {
+          robot_.remark("meshes", "as the box around them, which is drawn; --meshes refuse refuses them", solid.file);
+        } else if (solid.form == Form::plane || solid.form == Form::other) {
+          robot_.remark("shapes", "not taken: no box stands around them", link.name);
+        }
+      }
+      const auto boxed = [](const Robot::Solid& solid) {
+        return solid.form != Form::plane && solid.form != Form::other;
+      };
+      if (std::ranges::none_of(link.solids, boxed)) continue;
+      robot_.remark("collision shapes", "drawn as one box a body about its centre of mass; nothing touches", link.name);
+    }
+  }
+
+  void write();
+  void write_bodies(std::string& text) const;
+  void write_joint(std::string& text, std::size_t link, const std::string& name) const;
+
+  const std::filesystem::path& file_;
+  const ImportOptions& options_;
+  Imported out_;
+  Robot& robot_;
+  NamesInFile body_names_;
+  NamesInFile joint_names_;
+  std::vector<Frame> places_;        // of links in the world at t = 0
+  std::vector<Frame> joint_places_;  // of the joints' halves that their parents carry
+  std::vector<Lump> lumps_;
+};
+
+std::string shown(const Vec3& v) { return fmt::format("[{}, {}, {}]", v[0], v[1], v[2]); }
+
+void Import::write_bodies(std::string& text) const {
+  for (const Lump& lump : lumps_) {
+    const Frame& place = places_[lump.base];
+    text += fmt::format("\n[[bodies]]\nname     = \"{}\"\nmass     = {}\nsize     = {}\nposition = {}\nturn     = {}\n",
+                        lump.name, lump.mass_kg, shown(lump.sides_m),
+                        shown(place.position_m + turned(place.rotation, lump.centre_m)),
+                        shown(rotation_vector_of(place.rotation)));
+    text += fmt::format("inertia  = [{}]\n", fmt::join(inertia_of(lump), ", "));
+  }
+}
+
+void Import::write_joint(std::string& text, std::size_t link, const std::string& name) const {
+  const Robot::Joint& joint = robot_.joints[link];
+  const Frame& place = joint_places_[link];
+  static constexpr std::array words{"fixed", "hinge", "slider", "ball", "universal", "free"};
+  std::string parent(world_name);
+  if (joint.parent && out_.body_of[*joint.parent]) parent = lumps_[*out_.body_of[*joint.parent]].name;
+  text += fmt::format(
+      "\n[[joints]]\nname     = \"{}\"\nkind     = \"{}\"\nparent   = \"{}\"\nchild    = \"{}\"\nanchor   = {}\n", name,
+      words[static_cast<std::size_t>(joint.kind)], parent, lumps_[*out_.body_of[link]].name, shown(place.position_m));
+  if (joint.kind != Kind::ball) text += fmt::format("axis     = {}\n", shown(turned(place.rotation, joint.axis)));
+  if (joint.kind == Kind::universal) text += fmt::format("axis2    = {}\n", shown(turned(place.rotation, joint.axis2)));
+  if (joint.limits_q) {
+    text +=
+        fmt::format("stops    = [{}, {}]\n", joint.limits_q->first - joint.start, joint.limits_q->second - joint.start);
+  }
+  if (joint.friction > 0) text += fmt::format("motor    = {{ velocity = 0.0, force = {} }}\n", joint.friction);
+}
+
+void Import::write() {
+  std::string bodies;
+  write_bodies(bodies);
+  std::string joints;
+  std::string springs;
+  for (const Lump& lump : lumps_) {
+    const Robot::Joint& joint = robot_.joints[lump.base];
+    if (joint.kind == Kind::free) continue;
+    const std::string name = joint_names_.of(joint.name, "joint");
+    write_joint(joints, lump.base, name);
+    if (joint.friction > 0) {
+      robot_.remark("friction", "as a motor that keeps a speed of 0 by at most that much", joint.name);
+    }
+    if (joint.damping == 0 && joint.stiffness == 0) continue;
+    robot_.remark("damping and springs", "as [[springs]]", joint.name);
+    springs += fmt::format("\n[[springs]]\njoint     = \"{}\"\nstiffness = {}\ndamping   = {}\nrest      = {}\n", name,
+                           joint.stiffness, joint.damping, joint.rest - joint.start);
+  }
+  std::string& text = out_.toml;
+  text = fmt::format("# {} by odeval convert, from {}\n", one_line(robot_.name, 60), robot_.format);
+  for (const Robot::Remark& remark : robot_.remarks) {
+    text += fmt::format("# {}: {}{}{}\n", one_line(remark.what), one_line(remark.rule), remark.of.empty() ? "" : ": ",
+                        one_line(fmt::format("{}", fmt::join(remark.of, ", ")), 2000));
+  }
+  text += "problem  = \"mechanism\"\nduration = 1.0\n";
+  const auto methods = std::ranges::find(robot_.settings, "methods", &std::pair<std::string, std::string>::first);
+  if (methods == robot_.settings.end()) text += "methods  = [\"ode-step-double\", \"ode-quickstep-double\"]\n";
+  text += fmt::format("gravity  = {}\n", robot_.gravity);
+  for (const auto& [key, value] : robot_.settings) text += fmt::format("{} = {}\n", key, value);
+  text += bodies + joints + springs;
+}
+
+}  // namespace
+
+Imported import_robot(const std::filesystem::path& file, Robot robot, const ImportOptions& options) {
+  return Import(file, std::move(robot), options).run();
+}
+
+Imported import_robot(const std::filesystem::path& file, const ImportOptions& options) {
+  return import_robot(file, read_robot(file), options);
+}
+
+}  // namespace odeval
