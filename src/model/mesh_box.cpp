@@ -39,8 +39,9 @@ std::vector<fs::path> folders_above(const fs::path& file) {
 std::vector<fs::path> candidates(const fs::path& robot, const std::string& mesh) {
   const std::size_t scheme = mesh.find("://");
   if (scheme == std::string::npos) return {fs::absolute(robot).parent_path() / mesh};
-  const std::string rest = mesh.substr(scheme + 3);
+  std::string rest = mesh.substr(scheme + 3);
   if (mesh.starts_with("file://")) return {rest};
+  rest.erase(0, rest.find_first_not_of('/'));  // package:///name is written as well
   std::vector<fs::path> folders = folders_above(robot);
   if (const char* paths = std::getenv("ROS_PACKAGE_PATH")) {
     std::istringstream all(paths);
