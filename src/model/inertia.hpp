@@ -8,7 +8,8 @@ namespace odeval {
 /// Whether masses can be spread to give xx, yy, zz, xy, xz, yz: no moment about any axis is larger than the other two
 /// together. With `turns` none may be zero either, as one may be of a part of a body; there 1e-18 kg m² are rounding.
 inline bool is_inertia(const std::array<double, 6>& inertia, bool turns) {
-  const auto [xx, yy, zz, xy, xz, yz] = inertia;
+  const double xx = inertia[0], yy = inertia[1], zz = inertia[2];
+  const double xy = inertia[3], xz = inertia[4], yz = inertia[5];
   const auto least_minors = [&](double a, double b, double c, double sign) {
     const double de = sign * xy;
     const double df = sign * xz;
