@@ -429,6 +429,7 @@ void check_forces() {
   const dBodyID unseen = dBodyCreate(world.id);
   dBodySetGravityMode(unseen, 0);
   World::place(unseen, {0, 0, 0}, Quaterniond(Eigen::AngleAxisd(0.7, Vector3d::UnitX())));  // torques are the world's
+  CHECK_THROWS(AccurateStep(world.id, world.space), AccurateStepError, "found 1 of the world's 2 bodies");
   AccurateStepOptions options;
   options.bodies = {unseen};
   AccurateStep step(world.id, world.space, options);

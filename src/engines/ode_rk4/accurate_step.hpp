@@ -84,7 +84,8 @@ struct AccurateStepOptions {
   std::function<void(const Touch&)> before_impact;
   std::function<void(const Touch&)> after_impact;
   /// Bodies that neither a geom of the space nor a joint leads to, for ODE has no list of a world's bodies; others may
-  /// be named too. They must live as long as the step.
+  /// be named too. They must live as long as the step. A world that has more bodies than were found is refused when it
+  /// is read: at first, and where geoms, joints or bodies have changed.
   std::vector<dxBody*> bodies;
   /// m and rad, > 0. A larger error of a joint at the start of a step, and a larger overlap at the start of a run that
   /// can not be pushed out, are an AccurateStepError; smaller errors are mended by projection.

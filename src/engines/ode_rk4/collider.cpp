@@ -55,6 +55,7 @@ void Collider::stop(const Mechanism& mechanism, const State& state, std::vector<
         if (depth < 0) return;
         contacts.push_back({joint.a, joint.b, x_b + of_b, way_out * axis, depth, stop.bounce,
                             std::pair<const void*, const void*>(joint.id, &stop), !stop.slides, 0});
+        contacts.back().is_stop = true;
       };
       touch(stop.low - at, 1);
       touch(at - stop.high, -1);

@@ -32,7 +32,7 @@ constexpr int most_pushes = 10;
 constexpr double almost = 0.95;
 constexpr int most_splits = 4;   // of a step where something comes to stick
 constexpr double moment = 1e-4;  // of a step, at which what sticks comes to slip
-constexpr int most_finds = 3;    // of footholds in a step: what strikes more often stands nowhere
+constexpr int most_finds = 3;    // of footholds in a step: what comes to rest more often stands nowhere
 
 bool same_geoms(const Contact& one, const Contact& other) { return one.geoms == other.geoms; }
 
@@ -55,6 +55,7 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
   stopped_.clear();
   struck_.clear();
   all_stopped_ = slipped_ = false;
+  finds_ = 0;
   first_ = fresh;
   step_ = h;
   if (footholds_) footholds_->motion().prepare(h);
@@ -83,7 +84,7 @@ void Flight::fly(double h) {
   double t = 0;
   bool just_struck = false;
   for (int impacts = 1;; ++impacts) {
-    if (footholds_ || impacts <= most_finds) find_footholds(t, just_struck);
+    find_footholds(t, just_struck);
     just_struck = false;
     move(t, h - t, there_);
     if (!collider_.works(motion_.mechanism())) break;
@@ -151,23 +152,29 @@ void Flight::fly(double h) {
 void Flight::find_footholds(double after, bool struck) {
   if (slipped_ || crowded_ > 0) footholds_.reset();
   if (footholds_ && !footholds_->fit(here_)) footholds_.reset();
-  const auto slides = [this](const Contact& contact) { return contact.friction <= 0; };
-  if (!footholds_) {
+  const bool found = !footholds_;
+  if (found) {
+    const auto slides = [](const Contact& contact) { return contact.friction <= 0 && !contact.is_stop; };
     if (slipped_ || crowded_ > 0 || resting_.empty() || std::ranges::all_of(resting_, slides)) return;
     look(here_);
     if (struck) add_to_contacts(struck_);
     footholds_ = Footholds::of(motion_.mechanism(), options_, contacts_, here_, struck);
-    if (!footholds_) return;
+    if (!footholds_ || ++finds_ > most_finds) return footholds_.reset();
     footholds_->motion().prepare(step_);
-    // They rest from now on.
-    resting_ = contacts_;
-    std::erase_if(resting_,
-                  [this](const Contact& contact) { return normal_speed(contact, here_) > options_.rest_speed; });
   } else {
     contacts_ = resting_;
   }
-  if (mover().has_motors()) mover().drive(here_, *forces_, after, {});
-  if (!footholds_->bear(here_, *forces_, after, contacts_)) footholds_.reset();
+  State held = here_;
+  if (found) mover().project(held);  // what leaves slowly rests from now on, not by and by
+  if (mover().has_motors()) mover().drive(held, *forces_, after, {});
+  if (!footholds_->bear(held, *forces_, after, contacts_)) {
+    footholds_.reset();
+  } else if (found) {
+    const auto leaves = [&](const Contact& contact) { return normal_speed(contact, here_) > options_.rest_speed; };
+    resting_ = contacts_;
+    std::erase_if(resting_, leaves);
+    here_ = held;
+  }
 }
 
 /// Did what is held slip, or lift off, on the way from `here_` to `there_`, with the contacts there at hand? Then

@@ -75,6 +75,7 @@ class Flight {
   bool all_stopped_ = false;
   std::optional<Footholds> footholds_;  // of what rests and sticks
   bool slipped_ = false;                // it does so no more in this step
+  int finds_ = 0;                       // in this step
   double step_ = 0;                     // s, of the user's
   Sticks sticks_;                       // in the time held last
   int crowded_ = 0;                     // steps that are left to the crowd's scheme if nothing bounces

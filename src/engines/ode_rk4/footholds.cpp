@@ -79,9 +79,26 @@ Vector3d in_frame_point(const State& state, std::size_t body, const Vector3d& po
   return body == world_body ? point : in_frame(state, body, point - state[body].pose.position);
 }
 
+/// One more equation for a joint that lies against a stop.
+Joint lock(const Contact& contact, const State& state) {
+  const auto [a, b] = std::pair(contact.a, contact.b);
+  Joint joint{nullptr, a, b, {}, {}, {}, {}, {}, {}, {}};
+  const Vector3d& n = contact.normal;
+  const double deeper = std::clamp(contact.depth, least_depth, rest_depth) - contact.depth;
+  if (contact.turns) {
+    const Vector3d p = n.unitOrthogonal(), across = n.cross(p);
+    joint.squares.push_back({in_frame(state, a, p), in_frame(state, b, across - deeper * n.cross(across))});
+  } else {
+    joint.slides.push_back({in_frame(state, a, n), in_frame_point(state, a, contact.point + deeper * n),
+                            in_frame_point(state, b, contact.point)});
+  }
+  return joint;
+}
+
 /// That holds the contacts of one pair of geoms as they are, as deep as what rests; nothing for what may roll.
 std::optional<Joint> joint_of(const Mechanism& mechanism, const Group& group, const State& state) {
   const Contact& first = group.front();
+  if (first.is_stop) return lock(first, state);
   const auto moves = [&](std::size_t body) { return body != world_body && mechanism.bodies[body].inverse_mass > 0; };
   const std::size_t a = moves(first.a) ? first.a : first.b, b = a == first.a ? first.b : first.a;
   const Spread spread(group);
@@ -139,8 +156,8 @@ class Islands {
 
 bool sticks(const Mechanism& mechanism, const Contact& contact, const State& state) {
   const auto sleeps = [&](std::size_t body) { return body != world_body && mechanism.bodies[body].asleep; };
-  return contact.friction > 0 && contact.depth < too_deep && !sleeps(contact.a) && !sleeps(contact.b) &&
-         slip(contact, state, state).norm() < still;
+  const bool fast = contact.is_stop || (contact.friction > 0 && slip(contact, state, state).norm() < still);
+  return fast && contact.depth < too_deep && !sleeps(contact.a) && !sleeps(contact.b);
 }
 
 }  // namespace
@@ -187,7 +204,7 @@ bool Footholds::stand_on(const Contact& contact, const State& state) const {
   return std::ranges::any_of(footholds_, [&](const Foothold& foothold) {
     if (foothold.geoms != contact.geoms) return false;
     const Joint& joint = motion_.mechanism().joints[foothold.joint];
-    if (is_face(joint)) return true;
+    if (contact.is_stop || is_face(joint)) return true;
     Vector3d off = in_frame_point(state, joint.a, contact.point) - joint.points.front().on_a;
     if (!joint.squares.empty()) {
       const Vector3d edge = joint.squares[0].p.cross(joint.squares[1].p);
@@ -217,6 +234,12 @@ bool Footholds::fit(const State& state) const {
 bool Footholds::bear(const State& state, Forces& forces, double t, std::span<const Contact> contacts) {
   motion_.find_forces(state, forces, t);
   if (motion_.redundant()) return false;  // what each of them does is not known
+  for (const Contact& contact : contacts) {
+    if (!contact.is_stop) continue;
+    const auto at = std::ranges::find(footholds_, contact.geoms, &Foothold::geoms);
+    if (at == footholds_.end()) continue;
+    motion_.add_force(contact.geoms.first, motion_.force_on_a(at->joint), motion_.force_on_b(at->joint));
+  }
   return std::ranges::all_of(footholds_, [&](const Foothold& foothold) {
     Group group;
     std::ranges::copy_if(contacts, std::back_inserter(group),
@@ -224,6 +247,11 @@ bool Footholds::bear(const State& state, Forces& forces, double t, std::span<con
     const auto pressed_in = [](const Contact& contact) { return contact.depth >= too_deep; };
     if (group.empty() || std::ranges::any_of(group, pressed_in)) return false;
     const std::size_t a = motion_.mechanism().joints[foothold.joint].a;
+    const Wrench& needed = motion_.force_on_a(foothold.joint);
+    const double no_force = no_acceleration / motion_.mechanism().bodies[a].inverse_mass;
+    if (const Contact& stop = group.front(); stop.is_stop) {
+      return stop.normal.dot(stop.turns ? needed.torque : needed.force) >= -borne * no_force;
+    }
     // The forces that leave a body of unit mass, as wide as the contacts, at rest.
     const Vector3d centre = centre_of(group);
     const double width = std::max(Spread(group).length, near_point);
@@ -242,13 +270,11 @@ bool Footholds::bear(const State& state, Forces& forces, double t, std::span<con
       rubbing.contact.push_back(i);
       rubbing.coefficient.push_back(contact.friction);
     }
-    const Wrench& needed = motion_.force_on_a(foothold.joint);
     Eigen::Matrix<double, 6, 1> w;
     w << needed.force, (needed.torque - (centre - state[a].pose.position).cross(needed.force)) / width;
     const Eigen::VectorXd v = -g.transpose() * w;
     const Eigen::MatrixXd response = g.transpose() * g;
     const Eigen::VectorXd left = v + response * hold(response, v, rubbing, Eigen::VectorXd::Zero(v.size()));
-    const double no_force = no_acceleration / motion_.mechanism().bodies[a].inverse_mass;
     return left.cwiseAbs().maxCoeff() <= borne * (w.cwiseAbs().maxCoeff() + no_force);
   });
 }

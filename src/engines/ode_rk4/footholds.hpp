@@ -1,7 +1,8 @@
 #pragma once
 // What stands on something and sticks there: a corner on a plane is held as by a ball joint, an edge as by a hinge, a
 // face as by a fixed joint, and so moves to the order of the Runge-Kutta formula. Friction and weight bear that as long
-// as some forces at the contacts, that push and keep to their cones, do what the joint does.
+// as some forces at the contacts, that push and keep to their cones, do what the joint does. A joint that lies against
+// its stop is held there in the same way, as long as the stop pushes.
 #include <optional>
 #include <span>
 #include <vector>

@@ -21,6 +21,7 @@ struct Contact {
   bool turns = false;                         // a stop of a hinge: the normal is an axis, the depth an angle
   double friction = 0;
   Vector3d push = Vector3d::Zero();  // N s, of it the last time it was held: where to begin
+  bool is_stop = false;
 };
 
 // What rests lies this deep, m: a thousand times deeper than contacts are rounded, so that it is found in every step.

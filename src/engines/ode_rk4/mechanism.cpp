@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <map>
+#include <new>
 #include <set>
+#include <string_view>
 
 #include "engines/ode_rk4/refuse.hpp"
 
@@ -83,6 +87,21 @@ std::vector<dBodyID> discover(dWorldID world, dSpaceID space, std::span<dxBody* 
     return known_as == earlier.end() ? earlier.size() : known_as->second;
   });
   return found;
+}
+
+/// ODE has no list of a world's bodies, but writes them down.
+std::size_t bodies_in(dWorldID world) {
+  char* text = nullptr;
+  std::size_t size = 0;
+  std::FILE* const file = open_memstream(&text, &size);
+  if (file == nullptr) throw std::bad_alloc();
+  dWorldExportDIF(world, file, "");
+  std::fclose(file);
+  const std::string_view written(text, size), body = "= dynamics.body {";
+  std::size_t count = 0;
+  for (std::size_t at = 0; (at = written.find(body, at)) != std::string_view::npos; at += body.size()) ++count;
+  std::free(text);
+  return count;
 }
 
 Body read_body(dBodyID id, std::size_t number) {
@@ -425,6 +444,11 @@ Mechanism read_mechanism(dWorldID world, dSpaceID space, std::span<dxBody* const
   if (mechanism.bodies.empty()) {
     refuse("found no body: give the space that holds their geoms, or name them in AccurateStepOptions::bodies");
   }
+  if (const std::size_t all = bodies_in(world); all > mechanism.bodies.size()) {
+    refuse("found " + std::to_string(mechanism.bodies.size()) + " of the world's " + std::to_string(all) +
+           " bodies: the others have no geom in the space, and no joint to one that has; name them in "
+           "AccurateStepOptions::bodies");
+  }
   std::set<dJointID> known;
   for (const Body& body : mechanism.bodies) {
     for (int j = 0; j < dBodyGetNumJoints(body.id); ++j) {
@@ -472,6 +496,7 @@ Parameters parameters_of(dJointID joint) {
 
 void read_motors(Mechanism& mechanism) {
   for (Joint& joint : mechanism.joints) {
+    if (joint.motors.empty()) continue;
     const Parameters parameters = parameters_of(joint.id);
     for (Motor& motor : joint.motors) {
       motor.velocity = parameters.get(joint.id, dParamVel + motor.group);

@@ -116,7 +116,8 @@ class TreeBuilder {
   }
 
   static bool read_kind(const Joint& joint, Kind& kind) {
-    if (joint.id == nullptr) {  // a foothold
+    if (joint.id == nullptr) {  // a foothold, or a stop beside the joint itself
+      if (joint.points.empty()) return false;
       kind = joint.squares.empty() ? Kind::ball : joint.squares.size() == 2 ? Kind::hinge : Kind::fixed;
       return true;
     }
