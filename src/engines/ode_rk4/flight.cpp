@@ -400,7 +400,7 @@ void Flight::impact(double t, bool at_once, bool last) {
   std::erase_if(resting, [this](const Contact& contact) { return !rests(contact, there_); });
   if (!resting.empty()) {
     const Impact held(motion_, resting, there_);
-    bounce_elastic(held, resting, let_go_, there_);
+    bounce_elastic(motion_, held, resting, let_go_, there_);
     held.stop(there_);
   }
   const auto damp = [&] {
@@ -456,11 +456,11 @@ std::vector<Twist> Flight::follow(const State& free, const State& held, double h
 
 /// Velocities less what forces have changed of them in a time h, to the first order, at the pose of the last
 /// projection.
-State Flight::unforced(const State& state, double h) {
+State Flight::unforced(Motion& motion, const State& state, double h) {
   std::vector<Wrench> impulses = forces_->now;
   for (Wrench& impulse : impulses) impulse = {h * impulse.force, h * impulse.torque};
   std::vector<Twist> change;
-  motion_.respond(impulses, change);
+  motion.respond(impulses, change);
   State bare = state;
   for (std::size_t i = 0; i < bare.size(); ++i) {
     bare[i].twist.linear -= change[i].linear;
@@ -471,9 +471,10 @@ State Flight::unforced(const State& state, double h) {
 
 /// Contacts that rest give nothing back, but elastic ones the energy of what closes them besides forces in a time h:
 /// bodies that turn.
-void Flight::bounce_elastic(const Impact& impact, std::vector<Contact>& contacts, double h, State& state) {
+void Flight::bounce_elastic(Motion& motion, const Impact& impact, std::vector<Contact>& contacts, double h,
+                            State& state) {
   if (std::ranges::none_of(contacts, [](const Contact& contact) { return contact.restitution == 1; })) return;
-  State bare = unforced(state, h);
+  State bare = unforced(motion, state, h);
   bool bounces = false;
   for (Contact& contact : contacts) {
     if (contact.restitution < 1 || stopped(contact)) contact.restitution = 0;
@@ -496,7 +497,7 @@ void Flight::settle_crowd(State& state, double h) {
   bool bounced = false;
   motion_.project(state);  // the matrix of this pose, for the impulses
   const auto elastic = [](const Contact& contact) { return contact.restitution == 1; };
-  const State bare = std::ranges::any_of(contacts_, elastic) ? unforced(state, h) : State();
+  const State bare = std::ranges::any_of(contacts_, elastic) ? unforced(motion_, state, h) : State();
   for (Contact& contact : contacts_) {
     const auto closes = [&](const State& velocities) {
       return normal_speed(contact, state, velocities) < -options_.rest_speed;
@@ -557,7 +558,7 @@ bool Flight::hold(State& state, double h) {
     std::optional<Impact> impact(std::in_place, motion, contacts_, state);
     const bool rubs = std::ranges::any_of(contacts_, &Contact::rubs);
     const State free = state;
-    bounce_elastic(*impact, contacts_, h, state);
+    bounce_elastic(motion, *impact, contacts_, h, state);
     Eigen::VectorXd impulses = impact->stop(state);
     const auto closes = [&](const Contact& contact) { return normal_speed(contact, state) < -options_.rest_speed; };
     if (driven && (!motion.bears(h) || std::ranges::any_of(contacts_, closes))) {

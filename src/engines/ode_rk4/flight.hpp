@@ -63,8 +63,8 @@ class Flight {
   bool hold(State& state, double h);
   std::vector<Twist> follow(const State& free, const State& held, double h);
   void settle_crowd(State& state, double h);
-  State unforced(const State& state, double h);
-  void bounce_elastic(const Impact& impact, std::vector<Contact>& contacts, double h, State& state);
+  State unforced(Motion& motion, const State& state, double h);
+  void bounce_elastic(Motion& motion, const Impact& impact, std::vector<Contact>& contacts, double h, State& state);
 
   Motion& motion_;
   Collider& collider_;

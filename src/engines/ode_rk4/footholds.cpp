@@ -89,7 +89,7 @@ std::optional<Joint> joint_of(const Mechanism& mechanism, const Group& group, co
   const bool corner = spread.length < near_point;
   if (one == Shape::round || other == Shape::round) return std::nullopt;
   if (corner && one != Shape::plane && other != Shape::plane) return std::nullopt;  // perhaps two edges that cross
-  Joint joint{nullptr, a, b, {}, {}, {}, {}, {}, {}, {}};
+  Joint joint{nullptr, a, b, {}, {}, {}, {}, {}, {}, {}, {}};
   double depth = 0;
   for (const Contact& contact : group) depth += contact.depth / static_cast<double>(group.size());
   const double wanted = std::clamp(depth, least_depth, rest_depth);
@@ -139,7 +139,8 @@ class Islands {
 
 bool sticks(const Mechanism& mechanism, const Contact& contact, const State& state) {
   const auto sleeps = [&](std::size_t body) { return body != world_body && mechanism.bodies[body].asleep; };
-  return contact.friction > 0 && contact.depth < too_deep && !sleeps(contact.a) && !sleeps(contact.b) &&
+  const bool turns = contact.rho > 0 || contact.rhoN > 0;  // against torques that a corner's joint does not bear
+  return contact.friction > 0 && !turns && contact.depth < too_deep && !sleeps(contact.a) && !sleeps(contact.b) &&
          slip(contact, state, state).norm() < still;
 }
 
