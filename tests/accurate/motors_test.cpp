@@ -357,6 +357,71 @@ void check_stops() {
   CHECK_NEAR(dBodyGetLinearVel(body)[2], 0, 1e-15);
 }
 
+/// What a joint tells at rest is what carries its body: the weight alone, however hard a motor presses on a stop, and
+/// what it presses a body with against a wall, or a body that stands on the ground.
+void check_feedback_at_rest() {
+  constexpr double mass = 3, most = 40, h = 1e-3;
+  const auto near = [](const dReal* told, const Vector3d& wanted, double within = 1e-8) {
+    CHECK_NEAR((vec(told) - wanted).norm(), 0, within);
+  };
+  const auto settled = [&](World& world, dJointID joint, dGeomID ground = nullptr) {
+    dJointFeedback feedback{};
+    dJointSetFeedback(joint, &feedback);
+    AccurateStepOptions options;
+    options.contact = [=](dGeomID one, dGeomID other) {
+      return ground == one || ground == other ? std::optional(odeval::Bounce{}) : std::nullopt;
+    };
+    AccurateStep step(world.id, world.space, options);
+    for (int k = 0; k < 1000; ++k) step(h);
+    dJointSetFeedback(joint, nullptr);
+    return feedback;
+  };
+  {
+    World world;
+    const dBodyID load = world.box(mass, {0.1, 0.1, 0.1}, {0, 0, 0});
+    const dJointID slider = world.slider(load, nullptr, {0, 0, 1});
+    drive(slider, dJointSetSliderParam, 0, -1, most);
+    stop(slider, dJointSetSliderParam, 0, -0.1, 1);
+    const dJointFeedback told = settled(world, slider);
+    near(told.f1, {0, 0, mass * g});
+    near(told.t1, {0, 0, 0});
+  }
+  {
+    World world;
+    const dBodyID link = world.box(mass, {1, 0.1, 0.1}, {0.5, 0, 0});
+    const dJointID hinge = world.hinge(link, nullptr, {0, 0, 0}, {0, -1, 0});
+    drive(hinge, dJointSetHingeParam, 0, -1, most);
+    stop(hinge, dJointSetHingeParam, 0, 0, 1);
+    const dJointFeedback told = settled(world, hinge);
+    // The step turns it freely until its end, at 54 rad/s^2, which takes m l w^2 = 0.0045 N.
+    near(told.f1, {0, 0, mass * g}, 5e-3);
+    near(told.t1, {0, 0, 0});  // about the link's centre
+  }
+  {
+    World world(Vector3d::Zero());
+    const dBodyID piston = world.box(mass, {0.1, 0.1, 0.1}, {0, 0, 0});
+    const dJointID slider = world.slider(piston, nullptr, {1, 0, 0});
+    drive(slider, dJointSetSliderParam, 0, 1, most);
+    const dGeomID wall = dCreatePlane(world.space, -1, 0, 0, -0.2);
+    near(settled(world, slider, wall).f1, {most, 0, 0});
+    CHECK_NEAR(dBodyGetPosition(piston)[0], 0.15, 2.1e-9);
+  }
+  {
+    // An arm that its motor holds out from a base on the ground, and one whose motor is too weak and lets it lie.
+    World world;
+    const dBodyID base = world.box(mass, {2, 1, 0.2}, {0, 0, 0.1});
+    const dBodyID arm = world.box(mass, {0.5, 0.1, 0.1}, {0.25, 0, 0.5});
+    const dJointID hinge = world.hinge(arm, base, {0, 0, 0.5}, {0, -1, 0});
+    drive(hinge, dJointSetHingeParam, 0, 0, most);
+    const dGeomID ground = dCreatePlane(world.space, 0, 0, 1, 0);
+    const dJointFeedback told = settled(world, hinge, ground);
+    near(told.f1, {0, 0, mass * g});
+    near(told.t1, {0, 0, 0});
+    near(told.f2, {0, 0, -mass * g});
+    near(told.t2, {0, mass * g * 0.25, 0});  // the arm's weight, on the right of the base's centre
+  }
+}
+
 void check_refused() {
   Pair pair;
   const dJointID joint = pair.world.hinge(pair.one, pair.other, {0.5, 0, 0}, {0, 0, 1});
@@ -376,6 +441,7 @@ int main() {
   check_lift();
   check_brake();
   check_stops();
+  check_feedback_at_rest();
   check_refused();
   return odeval::test::verdict();
 }

@@ -205,10 +205,15 @@ void Flight::move_by_motors(double after, double h, State& to) {
   std::vector<std::size_t> broken;
   std::vector<double> shares;
   const double end = after + h;
+  // What contacts do at the end of the step disturbs motors by more than is gained by looking for the moment.
+  const bool disturbed = std::ranges::any_of(resting_, [&](const Contact& contact) {
+    return !held_fast(contact) && (motion.jointed(contact.a) || motion.jointed(contact.b));
+  });
   for (int change = 0;; ++change) {
-    motion.drive(from, *forces_, after, broken);
     const double longest = end - after;
+    motion.drive(from, *forces_, after, broken, disturbed ? longest : 0);
     go(from, after, longest, to);
+    if (disturbed) return;
     motion.beyond(to, *forces_, end, shares);
     const auto most = [&] { return *std::ranges::max_element(shares); };
     if (most() <= 0 || change == most_changes) return;
@@ -243,11 +248,11 @@ void Flight::move_by_motors(double after, double h, State& to) {
 void Flight::go(State& from, double after, double h, State& to) {
   Motion& motion = mover();
   forces_->start = after;
-  JointErrors errors = motion.step(from, *forces_, h, to);
+  JointErrors errors = motion.step(from, *forces_, h, to, motion.has_motors());
   if (errors.before.size > mendable) {
     settle(from, options_.start_gap);
     if (motion.has_motors()) motion.drive(from, *forces_, after, {});
-    errors = motion.step(from, *forces_, h, to);
+    errors = motion.step(from, *forces_, h, to, motion.has_motors());
   }
   if (!finite(to)) refuse("the motion left the finite numbers; take a smaller step");
   // Equations that repeat others are left out: a closed loop that does not quite close keeps its gap.
@@ -534,6 +539,21 @@ void Flight::recall() {
   }
 }
 
+/// Of the impulses at the contacts at hand, which stood for forces over a time h, and of those of stops.
+void Flight::tell_joints(const Impact& impact, const Eigen::VectorXd& impulses, const State& state, double h) {
+  mover().add_forces(h);
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    Contact contact = contacts_[i];
+    impact.note(impulses, i, contact);
+    const auto on = [&](std::size_t body, double sign) {
+      const Vector3d at = body == world_body ? Vector3d(Vector3d::Zero()) : state[body].pose.position;
+      const Vector3d force = sign / h * contact.push;
+      return Wrench{force, (contact.point - at).cross(force) + sign / h * contact.turn};
+    };
+    mover().add_force(contact.geoms.first, on(contact.a, 1), on(contact.b, -1));  // a stop's joint
+  }
+}
+
 /// At the end of a step, with its contacts at hand: what rests stops and is pushed out of what it rests on. Returns
 /// true if something touches that does not rest.
 bool Flight::hold(State& state, double h) {
@@ -568,10 +588,11 @@ bool Flight::hold(State& state, double h) {
       impulses = impact->stop(state);
     }
     driven = false;
+    if (first) tell_joints(*impact, impulses, state, h);
     std::vector<Twist> by;
     if (first && rubs) {
       for (std::size_t i = 0; i < rest.size(); ++i) impact->note(impulses, i, rest[i]);
-      sticks_ = impact->sticks_at(impulses, here_, state);
+      sticks_ = impact->sticks_at(impulses, here_, state, h);
       by = follow(free, state, h);
     }
     const State before = state;

@@ -61,6 +61,7 @@ class Flight {
   bool add_to_contacts(const std::vector<Contact>& more);
   void tell(const std::function<void(const Touch&)>& observer, const Touch& touch) const;
   bool hold(State& state, double h);
+  void tell_joints(const Impact& impact, const Eigen::VectorXd& impulses, const State& state, double h);
   std::vector<Twist> follow(const State& free, const State& held, double h);
   void settle_crowd(State& state, double h);
   State unforced(Motion& motion, const State& state, double h);

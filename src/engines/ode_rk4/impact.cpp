@@ -13,10 +13,11 @@ namespace {
 
 std::size_t index(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
-constexpr double rounding = 1e-12;  // of the fastest speed, of the largest impulse
-constexpr double sliding = 1e-7;    // m/s: slower is sticking, within 1e-10 m in a step of a millisecond
-constexpr double same_row = 1e-9;   // of the largest: contacts that say what others say
-constexpr int most_rounds = 100;    // of friction that makes what does not bounce close, and is stopped
+constexpr double rounding = 1e-12;     // of the fastest speed, of the largest impulse
+constexpr double sliding = 1e-7;       // m/s: slower is sticking, within 1e-10 m in a step of a millisecond
+constexpr double sliding_way = 1e-11;  // m: what sticks before it has slid so far did all the while
+constexpr double same_row = 1e-9;      // of the largest: contacts that say what others say
+constexpr int most_rounds = 100;       // of friction that makes what does not bounce close, and is stopped
 constexpr double held = 1e-12;  // of the change of speed that bodies without joints would have: a thousand roundings
 
 double along(const Contact& contact, const Vector3d& arm, const Twist& twist) {
@@ -248,7 +249,7 @@ Eigen::VectorXd Impact::stop(State& state) const {
   return p;
 }
 
-Sticks Impact::sticks_at(const Eigen::VectorXd& impulses, const State& before, const State& state) const {
+Sticks Impact::sticks_at(const Eigen::VectorXd& impulses, const State& before, const State& state, double h) const {
   // Every contact that sticks now slides on as it came.
   Eigen::VectorXd on = Eigen::VectorXd::Zero(impulses.size());
   std::vector<std::pair<Eigen::Index, Eigen::Vector2d>> stuck;
@@ -271,7 +272,7 @@ Sticks Impact::sticks_at(const Eigen::VectorXd& impulses, const State& before, c
   for (const auto& [row, came] : stuck) {
     const double back = -change.segment<2>(row).dot(came.normalized());
     const double share = came.norm() / (came.norm() + back);
-    if (back > 0 && share < first.share) first = {share, came.norm()};
+    if (back > 0 && share < first.share && came.norm() * share * h > sliding_way) first = {share, came.norm()};
   }
   return first;
 }

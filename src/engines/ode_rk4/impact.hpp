@@ -56,9 +56,9 @@ class Impact {
   Eigen::VectorXd stop(State& state) const;
   /// Writes to a contact what impulses it got.
   void note(const Eigen::VectorXd& impulses, std::size_t number, Contact& contact) const;
-  /// What `stop` brought to stick first, from the velocities that it had before and that sliding on would have led to
-  /// if normal impulses stayed.
-  Sticks sticks_at(const Eigen::VectorXd& impulses, const State& before, const State& state) const;
+  /// What `stop`, of forces over a time h, brought to stick first, from the velocities that it had before and that
+  /// sliding on would have led to if normal impulses stayed.
+  Sticks sticks_at(const Eigen::VectorXd& impulses, const State& before, const State& state, double h) const;
 
   /// Moves the bodies apart, mass-weighted and with joints kept, until no contact is deeper than `depth`, to the first
   /// order in the way, and by what is given besides. What pushes and yet would be apart then is moved down to it. Ends

@@ -297,24 +297,24 @@ double Motion::motor_force(const MotorPlace& place) const {
   return lambda_[place.joint][row];
 }
 
-/// Its limit brings it to its velocity in no time to speak of: contacts, which act at the end of a step, disturb it by
-/// as much, and to look for the moment would cost more than the step.
-bool Motion::nearly_there(const MotorPlace& place, const State& state) const {
+/// In which its limit brings it to its velocity, at the accelerations at hand; infinite if it does not.
+double Motion::time_to_speed(const MotorPlace& place, const State& state) const {
   const Joint& joint = mechanism_.joints[place.joint];
   const Motor& motor = place.of(mechanism_);
   const MotorLine line = line_of(joint, motor, state, turns_);
   State rates = state;
   for (std::size_t i = 0; i < rates.size(); ++i) rates[i].twist = acceleration_[i];
   const double fast = too_fast(place, state), rate = motor_speed(joint, line, motor.slides, rates);
-  return fast * rate < 0 && std::fabs(fast) <= no_time * step_ * std::fabs(rate);
+  return fast * rate < 0 ? -fast / rate : INFINITY;
 }
 
-void Motion::drive(const State& state, Forces& forces, double t, std::span<const std::size_t> broken) {
+void Motion::drive(const State& state, Forces& forces, double t, std::span<const std::size_t> broken, double within) {
   look(state);
   std::vector<char> at_speed(motors_.size(), 0), decided(motors_.size(), 0);
   for (std::size_t m = 0; m < motors_.size(); ++m) {
     Motor& motor = motors_[m].of(mechanism_);
     const double fast = too_fast(motors_[m], state);
+    motor.jump = 0;
     at_speed[m] = std::fabs(fast) <= reached * (1 + std::fabs(motor.velocity)) && motor.most > 0 ? 1 : 0;
     if (at_speed[m] == 0) {
       motor.drive = Drive::pushes;
@@ -323,14 +323,18 @@ void Motion::drive(const State& state, Forces& forces, double t, std::span<const
       motor.drive = Drive::holds;
     }
   }
-  // Each that can not hold changes what the others have to hold.
-  for (std::size_t round = 0; round <= motors_.size(); ++round) {
+  // Each that can not hold changes what the others have to hold. One comes to its velocity once, and lets go once.
+  // In no time to speak of contacts, which act at the end of a step, disturb it by as much as is left, and to look for
+  // the moment would cost more than the step.
+  for (bool changed = true; changed;) {
     feel(state, forces, t);
-    bool changed = false;
+    changed = false;
     for (std::size_t m = 0; m < motors_.size(); ++m) {
       Motor& motor = motors_[m].of(mechanism_);
-      if (at_speed[m] == 0 && motor.most > 0 && nearly_there(motors_[m], state)) {
+      const double passes = at_speed[m] == 0 && motor.most > 0 ? time_to_speed(motors_[m], state) : INFINITY;
+      if (passes <= std::max(no_time * step_, within)) {
         at_speed[m] = 1;
+        motor.jump = motor.force * passes;
         motor.drive = Drive::holds;
         changed = true;
         continue;
@@ -342,8 +346,9 @@ void Motion::drive(const State& state, Forces& forces, double t, std::span<const
         changed = true;
       }
     }
-    if (!changed) break;
   }
+  driven_acceleration_ = acceleration_;
+  driven_error_ = largest_error();
 }
 
 void Motion::let_slip(std::size_t m) {
@@ -370,11 +375,12 @@ void Motion::beyond(const State& state, Forces& forces, double t, std::vector<do
 bool Motion::bears(double h) const {
   return std::ranges::all_of(motors_, [&](const MotorPlace& place) {
     const Motor& motor = place.of(mechanism_);
-    return motor.drive != Drive::holds || std::fabs(motor.force * h + motor_force(place)) <= motor.most * h;
+    return motor.drive != Drive::holds ||
+           std::fabs(motor.jump + motor.force * h + motor_force(place)) <= motor.most * h;
   });
 }
 
-JointErrors Motion::step(const State& from, Forces& forces, double h, State& to) {
+JointErrors Motion::step(const State& from, Forces& forces, double h, State& to, bool driven) {
   const auto combine = [&](std::span<const RungeKutta::Part> parts, State& sum) {
     for (std::size_t i = 0; i < from.size(); ++i) {
       BodyNow& body = sum[i];
@@ -393,9 +399,14 @@ JointErrors Motion::step(const State& from, Forces& forces, double h, State& to)
   for (std::size_t s = 0; s < stages_.size(); ++s) {
     Stage& stage = stages_[s];
     combine(formula_->stages[s].from, stage.state);
-    if (forces.renew) forces.renew(forces.start + formula_->stages[s].at * h, stage.state, forces.now);
-    accelerate(stage.state, forces.now, stage.accelerations);
-    if (s == 0) start_error = largest_error();
+    if (driven && s == 0) {
+      stage.accelerations = driven_acceleration_;
+      start_error = driven_error_;
+    } else {
+      if (forces.renew) forces.renew(forces.start + formula_->stages[s].at * h, stage.state, forces.now);
+      accelerate(stage.state, forces.now, stage.accelerations);
+      if (s == 0) start_error = largest_error();
+    }
     for (std::size_t i = 0; i < from.size(); ++i) {
       stage.turn_rates[i] = turn_rate(stage.state[i].twist.angular, stage.state[i].pose.turn);
     }
@@ -403,6 +414,10 @@ JointErrors Motion::step(const State& from, Forces& forces, double h, State& to)
   to.resize(from.size());
   combine(formula_->weights, to);
   tell_forces(stages_.back().state);
+  for (const MotorPlace& place : motors_) {
+    Motor& motor = place.of(mechanism_);
+    if (motor.drive == Drive::holds) motor.force = motor_force(place);
+  }
   look(to);
   const JointError found = largest_error();
   if (!(found.size < small_correction)) factor();  // or the last stage's matrix, near enough, will do

@@ -61,15 +61,17 @@ class Motion {
 
   const Mechanism& mechanism() const { return mechanism_; }
 
-  /// A state moved by h, joints kept. Errors: of the state that it started from, and of the one it came to.
-  JointErrors step(const State& from, Forces& forces, double h, State& to);
+  /// A state moved by h, joints kept; `driven`: the state that `drive` was last called for. Errors: of the state that
+  /// it started from, and of the one it came to.
+  JointErrors step(const State& from, Forces& forces, double h, State& to, bool driven = false);
 
   /// For a step of h: reads velocities and limits of the motors anew, who is asleep, and what springs and damping
   /// are at that step. Throws AccurateStepError for a spring that is stiffer than the step can follow.
   void prepare(double h);
   bool has_motors() const { return !motors_.empty(); }
-  /// Decides which motors hold and which push from this state on, `t` into the step. `broken` ones hold no more.
-  void drive(const State& state, Forces& forces, double t, std::span<const std::size_t> broken);
+  /// Decides which motors hold and which push from this state on, `t` into the step. `broken` ones hold no more; those
+  /// that come to their velocity `within` a time have it at once.
+  void drive(const State& state, Forces& forces, double t, std::span<const std::size_t> broken, double within = 0);
   /// How far each motor is beyond what it does, at a state that a step came to: it holds with more than its limit, or
   /// has passed its velocity while it pushes. Positive: it has to change; as shares of its limit and its velocity.
   void beyond(const State& state, Forces& forces, double t, std::vector<double>& shares);
@@ -147,7 +149,7 @@ class Motion {
   void feel(const State& state, Forces& forces, double t);
   double too_fast(const MotorPlace& place, const State& state) const;
   double motor_force(const MotorPlace& place) const;
-  bool nearly_there(const MotorPlace& place, const State& state) const;
+  double time_to_speed(const MotorPlace& place, const State& state) const;
   void correct(State& state);                   // poses, once, by the errors of the rows
   void solve_onto(std::vector<Twist>& twists);  // twists -= M^-1 J' A^-1 (J twists + right-hand side in lambda_)
 
@@ -166,6 +168,8 @@ class Motion {
   std::vector<std::array<Matrix6, 2>> weighted_;  // J M^-1 of a joint's two bodies
   std::vector<Vector6> lambda_;
   std::vector<Twist> acceleration_;
+  std::vector<Twist> driven_acceleration_;  // of the state that `drive` was last called for
+  JointError driven_error_;
   std::vector<Twist> correction_;
   std::vector<Stage> stages_;
   std::vector<JointForce> joint_forces_;
