@@ -1,4 +1,4 @@
-// Friction as a pyramid and as a constant force, beside Coulomb's law: claim C14.
+// Friction as a pyramid, as a constant force and as the fourth-order step's cone, beside Coulomb's law: claim C14.
 #include <cmath>
 #include <numbers>
 
@@ -18,6 +18,7 @@ using std::numbers::pi;
 constexpr double directions_deg[] = {0, 7.5, 15, 22.5, 30, 37.5, 45};
 constexpr std::string_view step_double = "ode-step-double";
 constexpr std::string_view quickstep_double = "ode-quickstep-double";
+constexpr std::string_view fourth_order = "ode-rk4-double";
 
 struct Case {
   std::string_view label;
@@ -31,6 +32,7 @@ constexpr Case cases[] = {
     {"QuickStep, pyramid", quickstep_double, FrictionModel::pyramid, FrictionAxes::plane_space},
     {"QuickStep, constant force", quickstep_double, FrictionModel::constant, FrictionAxes::plane_space},
     {"dWorldStep, pyramid along the slide", step_double, FrictionModel::pyramid, FrictionAxes::sliding},
+    {"fourth-order step, round cone", fourth_order, FrictionModel::pyramid, FrictionAxes::plane_space},
 };
 
 struct Slide {
@@ -95,7 +97,8 @@ report::Table threshold(const Scenario& scenario) {
       .columns = {"method", "way at 99 % of the angle of friction, m", "at 101 %, m", "Coulomb's at 101 %, m"}};
   const double slope = std::atan(1.01 * coefficient(scenario));
   const double net = scenario.gravity * (std::sin(slope) - coefficient(scenario) * std::cos(slope));
-  for (const char* method : {"ode-step-double", "ode-step-single", "ode-quickstep-double", "ode-quickstep-single"}) {
+  for (const char* method :
+       {"ode-step-double", "ode-step-single", "ode-quickstep-double", "ode-quickstep-single", "ode-rk4-double"}) {
     const auto cell = [&](double part) -> Cell {
       if (available(method) == nullptr) return report::Missing{"not in this build"};
       return slips(scenario, method, part);
@@ -119,6 +122,7 @@ Content friction(Laboratory& laboratory, Findings& findings) {
   double straight = NAN;
   double diagonal = NAN;
   double uncertainty = 0;
+  double off_the_cone = 0;  // m
   int colour = 0;
   for (const Case& how : cases) {
     report::Series way{std::string(how.label),        {},       {},
@@ -140,6 +144,7 @@ Content friction(Laboratory& laboratory, Findings& findings) {
                               slid.stops_s / slid.true_stops_s, scenario.step_s / slid.true_stops_s));
       }
       uncertainty = std::max(uncertainty, slid.uncertainty);
+      if (how.method == fourth_order) off_the_cone = std::max(off_the_cone, slid.error);
     }
     ways.series.push_back(std::move(way));
     turns.series.push_back(std::move(turned));
@@ -149,11 +154,16 @@ Content friction(Laboratory& laboratory, Findings& findings) {
       measured("friction of the pyramid at 45 degrees to its axes over that along one, less 1", "",
                straight / diagonal - 1, straight / diagonal * (uncertainty / straight + uncertainty / diagonal)));
 
+  findings.add("friction.cone_error",
+               measured("largest distance of ode-rk4-double from Coulomb's motion, over all directions", "m",
+                        off_the_cone, uncertainty));
+
   report::Figure figure{.name = "friction-figure", .columns = 2};
   figure.panels = {std::move(ways), std::move(turns)};
   Content content;
   content.values = {
       {"held_for", scenario.duration_s},
+      {"cone_error", shown(off_the_cone)},
       {"friction", coefficient(scenario)},
       {"mass", scenario.mechanism.bodies[0].mass_kg},
       {"speed", std::sqrt(dot(scenario.mechanism.bodies[0].velocity_m_s, scenario.mechanism.bodies[0].velocity_m_s))},

@@ -27,6 +27,35 @@ double add_row(Laboratory& laboratory, const std::string& scenario, double until
   return a / bound;
 }
 
+/// The same of bodies, by the largest distance from the reference, over the whole run.
+double add_body_row(Laboratory& laboratory, const std::string& scenario, const char* acts, report::Table& table) {
+  catalogue::Evaluator& evaluator = laboratory.evaluator(scenario);
+  const double until = laboratory.scenario(scenario).duration_s;
+  const Metrics plain = evaluator.measure(*laboratory.run(scenario, now), until);
+  const Metrics better = evaluator.measure(*laboratory.run(scenario, cure), until);
+  const double a = plain[quantity::max_error_position].value_or(NAN);
+  const double b = better[quantity::max_error_position].value_or(NAN);
+  const double known = better[quantity::position_uncertainty].value_or(NAN);
+  table.rows.push_back({scenario, std::string(acts), until, a, b, known, a / (b + known)});
+  return a / (b + known);
+}
+
+report::Table robots(Laboratory& laboratory, Findings& findings) {
+  report::Table table{
+      .name = "remedy-robots",
+      .columns = {"scenario", "what acts", "until, s", "error of dWorldStep, m", "of the fourth-order step, m",
+                  "the reference's uncertainty, m", "at least more accurate, times"}};
+  const auto add = [&](const char* finding, const char* scenario, const char* acts) {
+    findings.add(finding,
+                 measured(fmt::format("error of dWorldStep over that of ode-rk4-double, {}: {}", scenario, acts), "",
+                          add_body_row(laboratory, scenario, acts, table)));
+  };
+  add("C12.friction_gain", "friction_slide", "friction, until it holds the box");
+  add("C12.motor_gain", "motor_lift", "a motor, at its limit of force and at its speed");
+  add("C12.stop_gain", "cart_pole", "a stop, dry friction, a damper, a force over time");
+  return table;
+}
+
 }  // namespace
 
 Content remedy(Laboratory& laboratory, Findings& findings) {
@@ -57,6 +86,7 @@ Content remedy(Laboratory& laboratory, Findings& findings) {
   Content content;
   content.exhibits.emplace_back(report::Figure{.name = "remedy-errors", .panels = std::move(panels), .columns = 2});
   content.exhibits.emplace_back(std::move(table));
+  content.exhibits.emplace_back(robots(laboratory, findings));
   return content;
 }
 

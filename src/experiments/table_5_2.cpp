@@ -111,13 +111,17 @@ Content table_5_2(Laboratory& laboratory, Findings& findings) {
   add_ratio(findings, "C7.dh_over_lagrange",
             "CPU time of ode45 on a toolbox's equations over that on hand-derived ones", runs, "dh-ode45",
             "lagrange-ode45");
+  add_ratio(findings, "table-5-2.accurate_over_ode",
+            "CPU time of the fourth-order step beside ODE's collision detection over that of ODE, same steps", runs,
+            "ode-rk4-double", "ode-step-double");
 
   Content content;
   content.values = {{"rounds", rounds},
                     {"ode45_steps", 500 / catalogue::ode45_refine},
                     {"ode45_refine", catalogue::ode45_refine},
                     {"max_error", max_error_rad},
-                    {"until", until_s}};
+                    {"until", until_s},
+                    {"accurate_over_ode", shown(*findings.find("table-5-2.accurate_over_ode"))}};
   content.exhibits.emplace_back(side_by_side(timed));
   content.exhibits.emplace_back(equal_error(evaluator.scenario()));
   return content;

@@ -49,7 +49,7 @@ constexpr Condition c11a_refuted[]   = {{"C11a.after_touch", at_most, 1}};
 constexpr Condition c11b_confirmed[] = {{"C11b.by_settings", at_least, 0.67}};
 constexpr Condition c11b_refuted[]   = {{"C11b.by_settings", at_most, 0.33}, {"C11b.by_face", at_least, 0.67}};
 
-constexpr Condition c12_confirmed[] = {{"C12.smooth_gain", at_least, 1000}, {"C12.impact_gain", at_least, 1000}};
+constexpr Condition c12_confirmed[] = {{"C12.smooth_gain", at_least, 1000}, {"C12.impact_gain", at_least, 1000}, {"C12.friction_gain", at_least, 1000}, {"C12.motor_gain", at_least, 1000}, {"C12.stop_gain", at_least, 1000}};
 constexpr Condition c12_refuted[]   = {{"C12.smooth_gain", at_most, 2}};
 
 constexpr Condition c13_confirmed[] = {{"C13.largest_difference", at_most, 1e-6}};
@@ -104,11 +104,11 @@ constexpr std::array table{
     Claim{"C11b", "§6.3", "The default ERP and CFM may be the cause of the late contact.", c11b_confirmed, c11b_refuted,
           "Leave the feedback on: without it the hinge opens on the way, which makes the contact later still.", "contact-delay"},
     Claim{"C12", "§3.5.5, §7", "A fixed-step solver of higher order (RK4) beside ODE's collision detection would cure the accuracy.", c12_confirmed, c12_refuted,
-          "Where the error matters more than friction in a crowd, take the fourth-order step: odeval::accurate_step, one call in the place of dWorldStep.", "remedy"},
+          "Where the motion counts, take the fourth-order step: odeval::accurate_step, one call in the place of dWorldStep, impacts, friction, motors and stops included. Contacts that crowd stay of first order.", "remedy"},
     Claim{"C13", "§5.6.3", "Recursive Newton-Euler from DH parameters gives results identical to the hand-derived equations.", c13_confirmed, c13_refuted,
           "Trust either; derive by hand only what has to be fast.", "dh"},
     Claim{"C14", "§3.3, §3.5.4", "Friction knows only a constant limit and a pyramid, which may be a large error.", c14_confirmed, c14_refuted,
-          "Give each contact the way it slides as first direction of friction (dContactFDir1) and the pyramid is Coulomb's law for a box that does not turn.", "friction"},
+          "Give each contact the way it slides as first direction of friction (dContactFDir1) and the pyramid is Coulomb's law for a box that does not turn; or take odeval::accurate_step, whose cone is round.", "friction"},
     Claim{"C15", "§5.4", "A quaternion keeps an orientation cheaply and can be normalised; a rotation matrix drifts.", c15_confirmed, c15_refuted,
           "ODE keeps a normalised quaternion: its matrices stay rotations to the last digits.", "orientation"},
     Claim{"C16", "§5.3.4", "The feedback term -ks C - kd C' keeps the joints together.", c16_confirmed, c16_refuted,

@@ -1,5 +1,8 @@
 // Method ode-rk4-double on the scenarios: order, errors, energy and gap against the reference.
+#include "catalogue/paths.hpp"
 #include "measure/metrics.hpp"
+#include "model/find_scenario.hpp"
+#include "model/read_scenario.hpp"
 #include "tests/check.hpp"
 #include "tests/scenarios.hpp"
 
@@ -125,6 +128,25 @@ void check_friction() {
   }
 }
 
+/// Both orders take every scenario file, friction, motors, stops and controllers included, but those whose joints start
+/// open: these joints are springs there, and are kept closed here.
+void check_scenarios() {
+  Names names{catalogue::method_names(), {}};
+  for (const Quantity& row : quantities) names.metrics.emplace_back(row.name);
+  for (const std::string& name : scenario_names(catalogue::scenario_folder())) {
+    Scenario scenario = read_scenario(find_scenario(name, catalogue::scenario_folder()), {}, names);
+    scenario.duration_s = 20 * scenario.step_s;
+    scenario.sample_s.reset();
+    for (const char* method : {"ode-rk4-double", "ode-rk8-double"}) {
+      const Features asked = features_of(scenario);
+      const Features refused = asked - catalogue::find_method(method).can;
+      const Features open = asked.has(Feature::open_joints) ? Features{Feature::open_joints} : Features();
+      CHECK_EQUAL(name + ", " + method + ": " + listed(refused), name + ", " + method + ": " + listed(open));
+      if (refused.empty()) CHECK(!run(scenario, scenario.duration_s, method).evaluation.outcome.diverged);
+    }
+  }
+}
+
 }  // namespace
 
 int main() {
@@ -133,6 +155,7 @@ int main() {
   check_double_pendulum();
   check_wall();
   check_friction();
+  check_scenarios();
   check_gain();
   return test::verdict();
 }

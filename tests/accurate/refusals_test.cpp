@@ -79,9 +79,6 @@ void check_unsupported() {
     dJointAttach(motor, w.one, w.two);
     dJointSetAMotorMode(motor, dAMotorEuler);
   });
-  for (const auto make : {dJointCreateLMotor, dJointCreateTransmission}) {
-    refused("kind that is not supported", [make](Pendulum& w) { dJointAttach(make(w.id, nullptr), w.one, w.two); });
-  }
   for (const auto make : {dJointCreatePiston, dJointCreatePR, dJointCreatePU}) {
     refused("attach it as the second", [make](Pendulum& w) { dJointAttach(make(w.id, nullptr), nullptr, w.two); });
   }

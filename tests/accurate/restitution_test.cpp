@@ -181,10 +181,11 @@ double kinetic(const World& world) {
 /// Every impact of a step on its own: energy as ODE's bodies show it just before and just after.
 struct Watched {
   Watched(World& world, bool elastic, const std::function<double(dGeomID, dGeomID)>& restitution, ImpactOrder order,
-          double friction = 0) {
+          Bounce bounce = {}) {
     AccurateStepOptions options;
-    options.contact = [restitution, friction](dGeomID one, dGeomID other) {
-      return std::optional(Bounce{restitution(one, other), friction});
+    options.contact = [restitution, bounce](dGeomID one, dGeomID other) mutable {
+      bounce.restitution = restitution(one, other);
+      return std::optional(bounce);
     };
     options.impact_order = order;
     options.rest_speed = elastic ? 0 : 1e-3;
@@ -264,8 +265,11 @@ Counts check_cluster(unsigned seed) {
     return elastic ? 1 : Random(mix + 16 * low + high).restitution();
   };
   const ImpactOrder order = random.chance(0.5) ? ImpactOrder::together : ImpactOrder::in_turn;
-  const double friction = elastic || random.chance(0.4) ? 0 : random.uniform(0, 1.5);
-  Watched watched(world, elastic, restitution, order, friction);
+  Bounce bounce;
+  if (!elastic && !random.chance(0.4)) bounce.friction = random.uniform(0, 1.5);
+  if (!elastic && random.chance(0.3)) bounce.rho = random.uniform(0, 0.2);
+  if (!elastic && random.chance(0.3)) bounce.rhoN = random.uniform(0, 0.2);
+  Watched watched(world, elastic, restitution, order, bounce);
   const double h = jointed ? 0.005 : 0.02;
   for (double t = 0; t < 0.2; t += h) {
     const double energy = kinetic(world);
@@ -275,9 +279,11 @@ Counts check_cluster(unsigned seed) {
     const double turned = jointed ? h * fastest_spin(world) : 0;
     const double rounding = energy_rounding + std::pow(turned, 5);
     CHECK_BETWEEN(kinetic(world), 0, energy * (1 + rounding));
-    // Elastic bodies keep it, but for the few that rest on each other and turn, or are pressed together by joints: rest
-    // loses what closes in a step.
+    // Elastic bodies keep it, those on joints but for the share above, in a few clusters more: in crowds, what follows
+    // contacts is moved onto the joints again, and loses the square of what that turns.
+    if (elastic && !jointed) CHECK_NEAR(kinetic(world), energy, energy * energy_rounding);
     if (elastic && kinetic(world) < energy * (1 - rounding)) ++watched.losses;
+    if (elastic) CHECK_BETWEEN(kinetic(world), energy * (1 - 1e-6), HUGE_VAL);
     CHECK_NEAR((world.momentum() - momentum).norm(), 0, 1e-11 * (1 + energy));
   }
   return {watched.impacts, watched.losses > 0 ? 1 : 0};
@@ -294,9 +300,9 @@ void check_clusters(unsigned count) {
       if (failed++ < 5) std::printf("cluster %u: %s\n", seed, error.what());
     }
   }
-  std::printf("%u clusters: %d impacts, %d elastic ones lost energy between impacts\n", count, impacts, lossy);
+  std::printf("%u clusters: %d impacts, %d elastic ones on joints lost energy\n", count, impacts, lossy);
   CHECK(impacts > static_cast<int>(count));
-  CHECK_BETWEEN(lossy, 0, static_cast<int>(count) / 200 + 1);  // 11 of 20000 measured without joints, 1 of 1500 with
+  CHECK_BETWEEN(lossy, 0, static_cast<int>(count) / 500 + 1);  // 16 of 20000 measured, up to 3e-7 of it
   CHECK_EQUAL(failed, 0);
 }
 
@@ -359,6 +365,8 @@ int main(int argc, char** argv) {
   check_rows();
   check_newton();
   check_cluster(10476);  // locked in between joints: once ended in an overlap that could not be pushed out
+  // Elastic ones that lost energy once, where they rest or crowd.
+  for (const unsigned seed : {4563U, 9723U, 13975U}) check_cluster(seed);
   check_clusters(argc > 1 ? static_cast<unsigned>(std::atoi(argv[1])) : 300);
   for (const double e : {1.0, 0.95, 0.5}) {
     check_row_of_four(e, ImpactOrder::together);

@@ -41,7 +41,7 @@ class AccurateStep::World {
       : world_(world),
         space_(space),
         options_(checked(std::move(options))),
-        motion_(read_mechanism(world, space, options_.bodies), options_.order),
+        motion_(read_mechanism(world, space, options_.bodies, {}, options_.lmotor_axis_rel), options_.order),
         watch_(space, mechanism()),
         collider_(space, options_.contact),
         flight_(motion_, collider_, options_) {
@@ -78,7 +78,7 @@ class AccurateStep::World {
 
  private:
   void reread() {
-    Mechanism now = read_mechanism(world_, space_, options_.bodies, mechanism());
+    Mechanism now = read_mechanism(world_, space_, options_.bodies, mechanism(), options_.lmotor_axis_rel);
     watch_ = Watch(space_, now);
     motion_ = Motion(std::move(now), options_.order);
     flight_.start_anew();

@@ -47,6 +47,11 @@ class AccurateStepError : public std::runtime_error {
 struct Bounce {
   double restitution = 0;  // 0..1, of the normal velocity (Newton's law)
   double friction = 0;     // >= 0, Coulomb's coefficient, sticking and sliding: a round cone
+  /// m, >= 0, at each contact point, as ODE has them with dContactRolling and dContactApprox1: the torque about axes in
+  /// the contact's plane is at most rho times the normal force, in a round disc, and acts against rolling there; that
+  /// about the normal is at most rhoN times the normal force, against spinning there.
+  double rho = 0;
+  double rhoN = 0;
 };
 
 /// What several contacts at one moment do (touching rows, corners, what leans on each other). Either way kinetic energy
@@ -83,6 +88,10 @@ struct AccurateStepOptions {
   /// Called at each impact, while ODE's bodies show poses and velocities just before it, and just after it.
   std::function<void(const Touch&)> before_impact;
   std::function<void(const Touch&)> after_impact;
+  /// Of a linear motor's axis: the `rel` that dJointSetLMotorAxis was given for it (0: fixed to the world, 1 or 2: to
+  /// the first or the second body), which ODE has no function to ask for. Called when joints are read. Without it a
+  /// linear motor with a force is refused.
+  std::function<int(dxJoint* lmotor, int axis)> lmotor_axis_rel;
   /// Bodies that neither a geom of the space nor a joint leads to, for ODE has no list of a world's bodies; others may
   /// be named too. They must live as long as the step. A world that has more bodies than were found is refused when it
   /// is read: at first, and where geoms, joints or bodies have changed.
@@ -107,8 +116,8 @@ struct AccurateStepOptions {
 /// working. Joints, bodies and geoms that come and go or are changed are noticed at the next call.
 class AccurateStep {
  public:
-  /// Throws AccurateStepError for what is not supported: linear motors, transmissions and dAMotorEuler; stops of
-  /// universal joints, of the turns of PU joints and of angular motors; limits of angular speed, the gyroscopic term
+  /// Throws AccurateStepError for what is not supported: dAMotorEuler; backlash of transmissions; stops of universal
+  /// joints, of the turns of PU joints, and of angular and linear motors; limits of angular speed, the gyroscopic term
   /// off; options out of their range.
   explicit AccurateStep(dxWorld* world, dxSpace* space = nullptr, AccurateStepOptions options = {});
   ~AccurateStep();
@@ -121,9 +130,10 @@ class AccurateStep {
 
   /// Impacts of the last step, in order.
   const std::vector<Touch>& touches() const;
-  /// Steps so far in which contacts crowded (impacts of more than 48 bodies and contacts in a step, and until nothing
-  /// has bounced for ten steps): the rest of such a step is done by the time-stepping scheme of Moreau and Jean, first
-  /// order, with joints kept, in which impacts are not located and not told.
+  /// Steps so far in which contacts crowded (impacts of more than 48 bodies and contacts in a step, but for one after
+  /// ten steps without any, and until nothing has bounced for ten steps): the rest of such a step is done by the
+  /// time-stepping scheme of Moreau and Jean, first order, with joints kept, in which impacts are not located and not
+  /// told.
   std::size_t crowded_steps() const;
   /// How many it moves, and how many it keeps.
   std::size_t bodies() const;

@@ -54,7 +54,7 @@ void Collider::stop(const Mechanism& mechanism, const State& state, std::vector<
       const auto touch = [&](double depth, double way_out) {
         if (depth < 0) return;
         contacts.push_back({joint.a, joint.b, x_b + of_b, way_out * axis, depth, stop.bounce,
-                            std::pair<const void*, const void*>(joint.id, &stop), !stop.slides, 0});
+                            std::pair<const void*, const void*>(joint.id, &stop), !stop.slides});
         contacts.back().is_stop = true;
       };
       touch(stop.low - at, 1);
@@ -108,6 +108,12 @@ void Collider::meet(const Mechanism& mechanism, dGeomID one, dGeomID other, std:
   if (!(bounce->friction >= 0 && std::isfinite(bounce->friction))) {
     refuse("a coefficient of friction must be 0 or more, not " + shown(bounce->friction));
   }
+  if (!(bounce->rho >= 0 && std::isfinite(bounce->rho))) {
+    refuse("a coefficient of rolling friction must be 0 m or more, not " + shown(bounce->rho));
+  }
+  if (!(bounce->rhoN >= 0 && std::isfinite(bounce->rhoN))) {
+    refuse("a coefficient of spinning friction must be 0 m or more, not " + shown(bounce->rhoN));
+  }
   constexpr int most = 64;
   dContactGeom found[most];
   const int count = dCollide(one, other, most, found, sizeof(dContactGeom));
@@ -126,7 +132,10 @@ void Collider::meet(const Mechanism& mechanism, dGeomID one, dGeomID other, std:
                         bounce->restitution,
                         std::minmax<const void*>(one, other),
                         false,
-                        bounce->friction});
+                        false,
+                        bounce->friction,
+                        bounce->rho,
+                        bounce->rhoN});
   }
 }
 

@@ -21,8 +21,6 @@ constexpr double mendable = 1e-9;  // m, rad: smaller joint errors are left to t
 // Bodies and contacts of the impacts located in one step: more are a crowd. To locate one costs ten steps or so of all
 // bodies, so a ball between walls may have 24 impacts in a step, and a figure of eleven bodies four.
 constexpr std::size_t crowd = 48;
-// Steps without a bounce after which a crowd is at rest.
-constexpr int calm_steps = 10;
 constexpr int most_bisections = 100;
 constexpr int most_changes = 20;           // of motors in one step; after that they go on as they are
 constexpr double time_rounding = 1e-15;    // of what is left of the step
@@ -73,6 +71,7 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
     throw;
   }
   if (crowded_ > 0) ++crowded_steps_;
+  quiet_ = touches_.empty() && crowded_ == 0 ? std::min(quiet_ + 1, calm_steps) : 0;
   std::swap(state, there_);
 }
 
@@ -138,7 +137,8 @@ void Flight::fly(double h) {
       continue;
     }
     struck += contacts_.size() + here_.size();
-    if (struck > crowd) crowded_ = calm_steps;
+    const bool first_in_a_while = touches_.empty() && quiet_ >= calm_steps;
+    if (struck > crowd && !first_in_a_while) crowded_ = calm_steps;
     impact(t, passed <= 0, impacts >= options_.most_impacts);
     just_struck = true;
     if (t < h) continue;
@@ -339,7 +339,7 @@ double Flight::locate(double after, double longest) {
       if (at_once != nullptr && at_once->depth > touch_depth) {
         there_ = here_;
         motion_.project(there_);
-        return 0;
+        return let_go_ = 0;
       }
     }
     // Depths jump where other corners come into play.
@@ -361,7 +361,7 @@ double Flight::locate(double after, double longest) {
   }
   look(there_);
   motion_.project(there_);  // the matrix of this pose, for the impulses
-  return touching;
+  return let_go_ = touching;
 }
 
 /// Adds to the contacts at `there_` those that their impact closes within rounding. Returns true if there are any.
@@ -410,7 +410,11 @@ void Flight::impact(double t, bool at_once, bool last) {
   // What rests was let go since `here_`: it stops first, and gives nothing back of that.
   std::vector<Contact> resting = contacts_;
   std::erase_if(resting, [this](const Contact& contact) { return !rests(contact, there_); });
-  if (!resting.empty()) Impact(motion_, resting, there_).stop(there_);
+  if (!resting.empty()) {
+    const Impact held(motion_, resting, there_);
+    bounce_elastic(motion_, held, resting, let_go_, there_);
+    held.stop(there_);
+  }
   const auto damp = [&] {
     for (Contact& contact : contacts_) {
       if (last || stopped(contact)) contact.restitution = 0;
@@ -462,25 +466,66 @@ std::vector<Twist> Flight::follow(const State& free, const State& held, double h
   return by;
 }
 
+/// Velocities less what forces have changed of them in a time h, to the first order, at the pose of the last
+/// projection.
+State Flight::unforced(Motion& motion, const State& state, double h) {
+  std::vector<Wrench> impulses = forces_->now;
+  for (Wrench& impulse : impulses) impulse = {h * impulse.force, h * impulse.torque};
+  std::vector<Twist> change;
+  motion.respond(impulses, change);
+  State bare = state;
+  for (std::size_t i = 0; i < bare.size(); ++i) {
+    bare[i].twist.linear -= change[i].linear;
+    bare[i].twist.angular -= change[i].angular;
+  }
+  return bare;
+}
+
+/// Contacts that rest give nothing back, but elastic ones the energy of what closes them besides forces in a time h:
+/// bodies that turn.
+void Flight::bounce_elastic(Motion& motion, const Impact& impact, std::vector<Contact>& contacts, double h,
+                            State& state) {
+  if (std::ranges::none_of(contacts, [](const Contact& contact) { return contact.restitution == 1; })) return;
+  State bare = unforced(motion, state, h);
+  bool bounces = false;
+  for (Contact& contact : contacts) {
+    if (contact.restitution < 1 || stopped(contact)) contact.restitution = 0;
+    bounces = bounces || (contact.restitution == 1 && normal_speed(contact, bare) < -options_.rest_speed);
+  }
+  if (!bounces) return;
+  const State before = bare;
+  impact.strike(bare, options_.impact_order, options_.rest_speed);
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    state[i].twist.linear += bare[i].twist.linear - before[i].twist.linear;
+    state[i].twist.angular += bare[i].twist.angular - before[i].twist.angular;
+  }
+}
+
 /// The rest of a step in which contacts crowd, by the scheme of Moreau and Jean: free motion to its end, there one
 /// impact of all contacts, by the speeds at which they closed before the forces of the step. Poses follow half of the
 /// change of velocity, which is what holds what rests in its place, and leave half of what overlaps besides to the next
 /// step: all of it at once would push a heap apart.
 void Flight::settle_crowd(State& state, double h) {
   bool bounced = false;
+  motion_.project(state);  // the matrix of this pose, for the impulses
+  const auto elastic = [](const Contact& contact) { return contact.restitution == 1; };
+  const State bare = std::ranges::any_of(contacts_, elastic) ? unforced(motion_, state, h) : State();
   for (Contact& contact : contacts_) {
-    const bool comes = normal_speed(contact, state, here_) < -options_.rest_speed;
+    const auto closes = [&](const State& velocities) {
+      return normal_speed(contact, state, velocities) < -options_.rest_speed;
+    };
+    const bool comes = closes(elastic(contact) ? bare : here_);
     bounced = bounced || comes;
-    if (!comes) contact.restitution = 0;
+    // An elastic one that does not close may have to, once others are struck.
+    if (!comes && (!elastic(contact) || closes(state))) contact.restitution = 0;
   }
   // Rest takes no deeper overlaps.
   crowded_ = bounced || deepest_of(contacts_) > options_.start_gap ? calm_steps : crowded_ - 1;
-  motion_.project(state);  // the matrix of this pose, for the impulses
   recall();
   const Impact impact(motion_, contacts_, state);
   const State free = state;
   const Eigen::VectorXd impulses = impact.strike(state, options_.impact_order, options_.rest_speed);
-  for (std::size_t i = 0; i < contacts_.size(); ++i) contacts_[i].push = impact.push_of(impulses, i);
+  for (std::size_t i = 0; i < contacts_.size(); ++i) impact.note(impulses, i, contacts_[i]);
   resting_.clear();
   const std::vector<Twist> by = follow(free, state, h);
   for (Contact& contact : contacts_) {
@@ -495,7 +540,9 @@ void Flight::settle_crowd(State& state, double h) {
 void Flight::recall() {
   for (Contact& contact : contacts_) {
     const Contact* const before = nearest_resting(contact);
-    if (before != nullptr) contact.push = before->push;
+    if (before == nullptr) continue;
+    contact.push = before->push;
+    contact.turn = before->turn;
   }
 }
 
@@ -503,12 +550,12 @@ void Flight::recall() {
 void Flight::tell_joints(const Impact& impact, const Eigen::VectorXd& impulses, const State& state, double h) {
   mover().add_forces(h);
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
-    const Contact& contact = contacts_[i];
-    const Vector3d force = impact.push_of(impulses, i) / h;
+    Contact contact = contacts_[i];
+    impact.note(impulses, i, contact);
     const auto on = [&](std::size_t body, double sign) {
-      if (contact.turns) return Wrench{Vector3d::Zero(), sign * force};
       const Vector3d at = body == world_body ? Vector3d(Vector3d::Zero()) : state[body].pose.position;
-      return Wrench{sign * force, (contact.point - at).cross(sign * force)};
+      const Vector3d force = sign / h * contact.push;
+      return Wrench{force, (contact.point - at).cross(force) + sign / h * contact.turn};
     };
     mover().add_force(contact.geoms.first, on(contact.a, 1), on(contact.b, -1));  // a stop's joint
   }
@@ -536,8 +583,9 @@ bool Flight::hold(State& state, double h) {
     const bool first = push == 0 && h > 0;
     if (first) recall();
     std::optional<Impact> impact(std::in_place, motion, contacts_, state);
-    const bool rubs = std::ranges::any_of(contacts_, [](const Contact& contact) { return contact.friction > 0; });
+    const bool rubs = std::ranges::any_of(contacts_, &Contact::rubs);
     const State free = state;
+    bounce_elastic(motion, *impact, contacts_, h, state);
     Eigen::VectorXd impulses = impact->stop(state);
     const auto closes = [&](const Contact& contact) { return normal_speed(contact, state) < -options_.rest_speed; };
     if (driven && (!motion.bears(h) || std::ranges::any_of(contacts_, closes))) {
@@ -550,7 +598,7 @@ bool Flight::hold(State& state, double h) {
     if (first) tell_joints(*impact, impulses, state, h);
     std::vector<Twist> by;
     if (first && rubs) {
-      for (std::size_t i = 0; i < rest.size(); ++i) rest[i].push = impact->push_of(impulses, i);
+      for (std::size_t i = 0; i < rest.size(); ++i) impact->note(impulses, i, rest[i]);
       sticks_ = impact->sticks_at(impulses, here_, state, h);
       by = follow(free, state, h);
     }

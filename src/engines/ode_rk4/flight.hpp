@@ -12,6 +12,9 @@
 
 namespace odeval::engine_rk4 {
 
+/// Steps without a bounce after which a crowd is at rest, and an impact of many bodies at once no crowd.
+constexpr int calm_steps = 10;
+
 class Flight {
  public:
   Flight(Motion& motion, Collider& collider, const AccurateStepOptions& options)
@@ -61,6 +64,8 @@ class Flight {
   void tell_joints(const Impact& impact, const Eigen::VectorXd& impulses, const State& state, double h);
   std::vector<Twist> follow(const State& free, const State& held, double h);
   void settle_crowd(State& state, double h);
+  State unforced(Motion& motion, const State& state, double h);
+  void bounce_elastic(Motion& motion, const Impact& impact, std::vector<Contact>& contacts, double h, State& state);
 
   Motion& motion_;
   Collider& collider_;
@@ -77,8 +82,10 @@ class Flight {
   bool slipped_ = false;                // it does so no more in this step
   int finds_ = 0;                       // in this step
   double step_ = 0;                     // s, of the user's
+  double let_go_ = 0;                   // s, since `here_`, at the touch located last
   Sticks sticks_;                       // in the time held last
   int crowded_ = 0;                     // steps that are left to the crowd's scheme if nothing bounces
+  int quiet_ = calm_steps;              // steps since the last impact, or that many
   bool first_ = true;                   // step since the mechanism was read
   std::size_t crowded_steps_ = 0;
   std::vector<Touch> touches_;

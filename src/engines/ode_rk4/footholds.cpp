@@ -106,7 +106,7 @@ std::optional<Joint> joint_of(const Mechanism& mechanism, const Group& group, co
   const bool corner = spread.length < near_point;
   if (one == Shape::round || other == Shape::round) return std::nullopt;
   if (corner && one != Shape::plane && other != Shape::plane) return std::nullopt;  // perhaps two edges that cross
-  Joint joint{nullptr, a, b, {}, {}, {}, {}, {}, {}, {}};
+  Joint joint{nullptr, a, b, {}, {}, {}, {}, {}, {}, {}, {}};
   double depth = 0;
   for (const Contact& contact : group) depth += contact.depth / static_cast<double>(group.size());
   const double wanted = std::clamp(depth, least_depth, rest_depth);
@@ -156,7 +156,8 @@ class Islands {
 
 bool sticks(const Mechanism& mechanism, const Contact& contact, const State& state) {
   const auto sleeps = [&](std::size_t body) { return body != world_body && mechanism.bodies[body].asleep; };
-  const bool fast = contact.is_stop || (contact.friction > 0 && slip(contact, state, state).norm() < still);
+  const bool turns = contact.rho > 0 || contact.rhoN > 0;  // against torques that a corner's joint does not bear
+  const bool fast = contact.is_stop || (contact.friction > 0 && !turns && slip(contact, state, state).norm() < still);
   return fast && contact.depth < too_deep && !sleeps(contact.a) && !sleeps(contact.b);
 }
 

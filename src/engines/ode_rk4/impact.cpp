@@ -67,14 +67,11 @@ Impact::Impact(Motion& motion, std::span<const Contact> contacts, const State& s
     : motion_(motion), contacts_(contacts), impulses_(state.size()), change_(state.size()) {
   rows_.assign(contacts.begin(), contacts.end());
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    if (contacts[i].friction <= 0) continue;
-    rubbing_.contact.push_back(static_cast<Eigen::Index>(i));
-    rubbing_.coefficient.push_back(contacts[i].friction);
-    const Vector3d across = contacts[i].normal.unitOrthogonal();
-    for (const Vector3d& along_plane : {across, Vector3d(contacts[i].normal.cross(across))}) {
-      rows_.push_back(contacts[i]);
-      rows_.back().normal = along_plane;
-    }
+    const Vector3d& n = contacts[i].normal;
+    const Vector3d across = n.unitOrthogonal(), other = n.cross(across);
+    add_rubbing(i, contacts[i].friction, across, other, false);
+    add_rubbing(i, contacts[i].rho, across, other, true);
+    add_rubbing(i, contacts[i].rhoN, n, Vector3d::Zero(), true);
   }
   const auto count = static_cast<Eigen::Index>(rows_.size());
   for (const Contact& contact : rows_) {
@@ -88,6 +85,22 @@ Impact::Impact(Motion& motion, std::span<const Contact> contacts, const State& s
     if (response_(i, i) > held * free_response(rows_[index(i)])) continue;
     response_.row(i).setZero();
     response_.col(i).setZero();
+  }
+  for (Eigen::Index i = 1; i < count; ++i) {
+    if (rows_[index(i)].idle) response_(i, i) = response_(i - 1, i - 1);
+  }
+}
+
+void Impact::add_rubbing(std::size_t contact, double coefficient, const Vector3d& one, const Vector3d& other,
+                         bool turns) {
+  if (coefficient <= 0) return;
+  rubbing_.contact.push_back(static_cast<Eigen::Index>(contact));
+  rubbing_.coefficient.push_back(coefficient);
+  for (const Vector3d& along : {one, other}) {
+    rows_.push_back(contacts_[contact]);
+    rows_.back().normal = along;
+    rows_.back().turns = turns;
+    rows_.back().idle = along.isZero(0);
   }
 }
 
@@ -191,7 +204,10 @@ Eigen::VectorXd Impact::hold(const Eigen::VectorXd& v) const {
   const Eigen::Index n = normals();
   if (tangents() == 0) return strike_together(response_, v, {Eigen::VectorXd::Zero(n)});
   Eigen::VectorXd p(v.size());
-  for (Eigen::Index i = 0; i < p.size(); ++i) p[i] = rows_[index(i)].push.dot(rows_[index(i)].normal);
+  for (Eigen::Index i = 0; i < p.size(); ++i) {
+    const Contact& row = rows_[index(i)];
+    p[i] = (row.turns ? row.turn : row.push).dot(row.normal);
+  }
   p = engine_rk4::hold(response_, v, rubbing_, std::move(p));
   if (!adds_energy(response_, v, p)) return p;
   // Not solved: without friction, and then what friction takes of that.
@@ -214,15 +230,17 @@ Eigen::VectorXd Impact::rubbed(const Eigen::VectorXd& v, Eigen::VectorXd p) cons
   return p;
 }
 
-Vector3d Impact::push_of(const Eigen::VectorXd& impulses, std::size_t contact) const {
-  Vector3d sum = impulses[static_cast<Eigen::Index>(contact)] * contacts_[contact].normal;
+void Impact::note(const Eigen::VectorXd& impulses, std::size_t number, Contact& contact) const {
+  contact.push = contact.turn = Vector3d::Zero();
+  const auto add = [&](std::size_t row) {
+    (rows_[row].turns ? contact.turn : contact.push) += impulses[static_cast<Eigen::Index>(row)] * rows_[row].normal;
+  };
+  add(number);
   for (std::size_t k = 0; k < rubbing_.contact.size(); ++k) {
-    if (index(rubbing_.contact[k]) != contact) continue;
-    for (const std::size_t row : {contacts_.size() + 2 * k, contacts_.size() + 2 * k + 1}) {
-      sum += impulses[static_cast<Eigen::Index>(row)] * rows_[row].normal;
-    }
+    if (index(rubbing_.contact[k]) != number) continue;
+    add(contacts_.size() + 2 * k);
+    add(contacts_.size() + 2 * k + 1);
   }
-  return sum;
 }
 
 Eigen::VectorXd Impact::stop(State& state) const {

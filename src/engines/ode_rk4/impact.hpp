@@ -18,10 +18,14 @@ struct Contact {
   double depth;      // m
   double restitution;
   std::pair<const void*, const void*> geoms;  // in the order of their addresses; of a stop, its joint and itself
-  bool turns = false;                         // a stop of a hinge: the normal is an axis, the depth an angle
-  double friction = 0;
-  Vector3d push = Vector3d::Zero();  // N s, of it the last time it was held: where to begin
+  bool turns = false;  // a stop of a hinge, what rolls or spins: the normal is an axis, the depth an angle
+  bool idle = false;   // of an impact's rows: says nothing
+  double friction = 0, rho = 0, rhoN = 0;  // of Bounce
+  // N s and N m s, of it the last time it was held: where to begin
+  Vector3d push = Vector3d::Zero(), turn = Vector3d::Zero();
   bool is_stop = false;
+
+  bool rubs() const { return friction > 0 || rho > 0 || rhoN > 0; }
 };
 
 // What rests lies this deep, m: a thousand times deeper than contacts are rounded, so that it is found in every step.
@@ -51,9 +55,10 @@ class Impact {
   Eigen::VectorXd strike(State& state, ImpactOrder order, double rest_speed) const;
   /// Without restitution: impulses, friction in its cone. Returns them.
   Eigen::VectorXd stop(State& state) const;
+  /// Writes to a contact what impulses it got.
+  void note(const Eigen::VectorXd& impulses, std::size_t number, Contact& contact) const;
   /// What `stop`, of forces over a time h, brought to stick first, from the velocities that it had before and that
   /// sliding on would have led to if normal impulses stayed.
-  Vector3d push_of(const Eigen::VectorXd& impulses, std::size_t contact) const;
   Sticks sticks_at(const Eigen::VectorXd& impulses, const State& before, const State& state, double h) const;
 
   /// Moves the bodies apart, mass-weighted and with joints kept, until no contact is deeper than `depth`, to the first
@@ -66,6 +71,7 @@ class Impact {
   double free_response(const Contact& contact) const;
   Eigen::VectorXd speeds(const State& state) const;
   void strike_by(const Eigen::VectorXd& impulses, State& state) const;
+  void add_rubbing(std::size_t contact, double coefficient, const Vector3d& one, const Vector3d& other, bool turns);
   void find_response(std::size_t bodies);
   void respond(const Eigen::VectorXd& sizes) const;  // into change_
 
@@ -76,7 +82,9 @@ class Impact {
 
   Motion& motion_;
   std::span<const Contact> contacts_;
-  std::vector<Contact> rows_;  // the contacts, then two more for each that rubs, along its plane
+  // The contacts, then two more for each that rubs, along its plane, or rolls, about axes in its plane, or spins: about
+  // its normal, and one that says nothing.
+  std::vector<Contact> rows_;
   Rubbing rubbing_;
   Eigen::MatrixXd response_;    // speeds of the rows, for a unit impulse at each
   std::vector<Vector3d> arms_;  // of each row on its two bodies

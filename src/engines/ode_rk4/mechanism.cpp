@@ -140,6 +140,8 @@ Body read_body(dBodyID id, std::size_t number) {
 
 // Of a suspension's CFM times the lighter mass, s^2 times what ODE's CFM is in: softer than the world's default by far.
 constexpr double rigid = 1e-6;
+// Of a transmission's wheels, rad: joints keep their axes better by far.
+constexpr double askew = 1e-6;
 
 struct Frame {
   Vector3d position = Vector3d::Zero();
@@ -161,13 +163,14 @@ Frame frame_of(dBodyID body) {
 /// Builds a joint's constraints from anchors and axes in the world at its present pose.
 class JointReader {
  public:
-  JointReader(dJointID id, const std::map<dBodyID, std::size_t>& numbers) : id_(id) {
+  JointReader(dJointID id, const std::map<dBodyID, std::size_t>& numbers, const LMotorRel& lmotor_rel)
+      : id_(id), lmotor_rel_(lmotor_rel) {
     // Without a second body ODE may hold the only one as the first or, reversed, as the second.
     dBodyID a = dJointGetBody(id, 0);
     dBodyID b = dJointGetBody(id, 1);
     reversed_ = a == nullptr;
     if (reversed_) std::swap(a, b);
-    joint_ = {id, numbers.at(a), b == nullptr ? world_body : numbers.at(b), {}, {}, {}, {}, {}, {}, {}};
+    joint_ = {id, numbers.at(a), b == nullptr ? world_body : numbers.at(b), {}, {}, {}, {}, {}, {}, {}, {}};
     a_ = frame_of(a);
     b_ = frame_of(b);
   }
@@ -194,6 +197,12 @@ class JointReader {
         if (dJointGetAMotorMode(id_) != dAMotorUser) refuse_this(" has mode dAMotorEuler; dAMotorUser is supported");
         angular_motors();
         break;
+      case dJointTypeLMotor:
+        linear_motors();
+        break;
+      case dJointTypeTransmission:
+        transmission();
+        break;
       case dJointTypeHinge2:
         hinge2();
         break;
@@ -219,9 +228,7 @@ class JointReader {
             {a_.direction(axis(dJointGetDHingeAxis)), joint_.distances.front().on_a, joint_.distances.front().on_b});
         break;
       default:
-        refuse_this(
-            " is of a kind that is not supported; linear motors and transmissions are not, and contacts are made by "
-            "the step itself");
+        refuse_this(" is of a kind that is not supported; contacts are made by the step itself");
     }
     return joint_;
   }
@@ -280,6 +287,26 @@ class JointReader {
             rel == 0                  ? Motor::Carrier::world
             : (rel == 1) != reversed_ ? Motor::Carrier::a
                                       : Motor::Carrier::b);
+    }
+  }
+  void linear_motors() {
+    for (int k = 0; k < dJointGetLMotorNumAxes(id_); ++k) {
+      no_stops(dJointGetLMotorParam, 0x100 * k);
+      if (dJointGetLMotorParam(id_, dParamFMax + 0x100 * k) == 0) continue;
+      if (!lmotor_rel_) {
+        refuse_this(
+            " pushes along axes that ODE does not tell of what they are fixed to: say so in "
+            "AccurateStepOptions::lmotor_axis_rel");
+      }
+      const int rel = lmotor_rel_(id_, k);
+      if (rel < 0 || rel > 2) refuse_this(" has an axis whose AccurateStepOptions::lmotor_axis_rel is not 0, 1 or 2");
+      dVector3 v;
+      dJointGetLMotorAxis(id_, k, v);  // as it is stored, in the frame of what it is fixed to
+      const auto carrier = rel == 0                             ? Motor::Carrier::world
+                           : rel == 1 || joint_.b == world_body ? Motor::Carrier::a
+                                                                : Motor::Carrier::b;
+      joint_.motors.push_back({true, vector(v).normalized(), carrier, Vector3d::Zero(), 0x100 * k, 0, 0});
+      joint_.motors.back().midway = true;
     }
   }
   void stop(GetParameter get, int group, bool slides, const Vector3d& axis, const Vector3d& of_a, const Vector3d& of_b,
@@ -388,6 +415,50 @@ class JointReader {
     joint_.distances.push_back({a_.point(reversed_ ? other : one), b_.point(reversed_ ? one : other), length});
   }
 
+  /// As dxJointTransmission::getInfo2 has it, before wheels have moved: radii follow from the ratio or the places, but
+  /// for those of a chain.
+  void transmission() {
+    if (dJointGetTransmissionBacklash(id_) > 0) refuse_this(" has backlash; set it to 0");
+    const Vector3d at_a = vector_of(dJointGetTransmissionAnchor1), at_b = vector_of(dJointGetTransmissionAnchor2);
+    Vector3d n_a = axis(dJointGetTransmissionAxis1);
+    const Vector3d n_b = axis(dJointGetTransmissionAxis2), apart = at_a - at_b;
+    if (n_a.dot(n_b) < 0) n_a = -n_a;  // as ODE does
+    Gear gear{a_.point(at_a), b_.point(at_b), a_.direction(n_a), b_.direction(n_b), false, 0, 0, 0, 0};
+    const int mode = dJointGetTransmissionMode(id_);
+    if (mode == dTransmissionIntersectingAxes) {
+      bevel(at_a, at_b, n_a, n_b, gear);
+    } else {
+      const double length = apart.norm();
+      if (n_a.cross(n_b).norm() > askew || std::fabs(apart.dot(n_a)) > askew * length || length == 0) {
+        refuse_this(" has wheels that are not in one plane, at a distance, with parallel axes");
+      }
+      const double ratio = dJointGetTransmissionRatio(id_);
+      const bool chain = mode == dTransmissionChainDrive;
+      gear.of_a = -(chain ? dJointGetTransmissionRadius1(id_) : length * ratio / (1 + ratio));
+      gear.of_b = chain ? dJointGetTransmissionRadius2(id_) : -length / (1 + ratio);
+      // A chain leaves its wheels at an angle to the line through their centres.
+      gear.across = chain ? (gear.of_a + gear.of_b) / length : -1;
+      gear.along = chain ? -std::sqrt(1 - gear.across * gear.across) : 0;
+      if (!(std::fabs(gear.across) <= 1)) refuse_this(" has a wheel that reaches around the other");
+    }
+    if (!(gear.of_a != 0 && gear.of_b != 0)) refuse_this(" has a wheel of no radius");
+    joint_.gears.push_back(gear);
+  }
+  /// Wheels that touch where their planes meet.
+  void bevel(const Vector3d& at_a, const Vector3d& at_b, const Vector3d& n_a, const Vector3d& n_b, Gear& gear) const {
+    const double cosine = n_a.dot(n_b), sine = n_a.cross(n_b).norm();
+    if (sine < askew) refuse_this(" has axes that are parallel, and a mode for such as intersect");
+    const Vector3d l = n_a.cross(n_b) / sine;
+    const double a = n_a.dot(at_a), b = n_b.dot(at_b);
+    const Vector3d touch = (n_a * (a - b * cosine) + n_b * (b - a * cosine)) / (sine * sine) + l * l.dot(at_a);
+    if (std::fabs(l.dot(at_a - at_b)) > askew * (at_a - at_b).norm()) {
+      refuse_this(" has axes that do not intersect");
+    }
+    gear.intersects = true;
+    gear.of_a = n_a.dot((touch - at_a).cross(l));
+    gear.of_b = -n_b.dot((touch - at_b).cross(l));
+  }
+
   Vector3d vector_of(GetVector get) const {
     dVector3 v;
     get(id_, v);
@@ -424,6 +495,7 @@ class JointReader {
   }
 
   dJointID id_;
+  const LMotorRel& lmotor_rel_;
   bool reversed_;
   Joint joint_;
   Frame a_, b_;
@@ -435,7 +507,8 @@ std::string name(const Joint& joint) {
   return "the " + kind(joint.id) + " between " + name(joint.a) + " and " + name(joint.b);
 }
 
-Mechanism read_mechanism(dWorldID world, dSpaceID space, std::span<dxBody* const> given, const Mechanism& earlier) {
+Mechanism read_mechanism(dWorldID world, dSpaceID space, std::span<dxBody* const> given, const Mechanism& earlier,
+                         const LMotorRel& lmotor_rel) {
   Mechanism mechanism;
   for (const dBodyID body : discover(world, space, given, earlier.numbers)) {
     mechanism.numbers.emplace(body, mechanism.bodies.size());
@@ -454,7 +527,7 @@ Mechanism read_mechanism(dWorldID world, dSpaceID space, std::span<dxBody* const
     for (int j = 0; j < dBodyGetNumJoints(body.id); ++j) {
       const dJointID id = dBodyGetJoint(body.id, j);
       if (dJointIsEnabled(id) == 0 || !known.insert(id).second) continue;
-      add(mechanism, JointReader(id, mechanism.numbers).read());
+      add(mechanism, JointReader(id, mechanism.numbers, lmotor_rel).read());
     }
   }
   read_motors(mechanism);
@@ -489,6 +562,8 @@ Parameters parameters_of(dJointID joint) {
       return {dJointGetPUParam, 3};
     case dJointTypeAMotor:
       return {dJointGetAMotorParam, dJointGetAMotorNumAxes(joint)};
+    case dJointTypeLMotor:
+      return {dJointGetLMotorParam, dJointGetLMotorNumAxes(joint)};
     default:
       return {nullptr, 0};
   }
@@ -524,7 +599,11 @@ MotorLine line_of(const Joint& joint, const Motor& motor, const State& state, st
   MotorLine line{motor.axis, Vector3d::Zero(), Vector3d::Zero()};
   if (motor.carrier == Motor::Carrier::a) line.axis = turns[joint.a] * motor.axis;
   if (motor.carrier == Motor::Carrier::b) line.axis = turn_of(joint.b, turns) * motor.axis;
-  if (motor.slides) {
+  if (motor.midway) {
+    if (joint.b == world_body) return line;
+    line.on_a = (state[joint.b].pose.position - state[joint.a].pose.position) / 2;
+    line.on_b = -line.on_a;
+  } else if (motor.slides) {
     line.on_b = turn_of(joint.b, turns) * motor.on_b;
     line.on_a = position_of(joint.b, state) + line.on_b - state[joint.a].pose.position;
   }
@@ -636,8 +715,31 @@ void constrain(const Distance& distance, const Pair& now, Eigen::Index k, JointR
                  (apart_rate.squaredNorm() - along * along) / length;
 }
 
-/// Of a motor that holds its velocity; another one's row says nothing.
-void constrain(const Motor& motor, const MotorLine& line, const Pair& now, Eigen::Index k, JointRows& rows) {
+void constrain(const Gear& gear, const Pair& now, Eigen::Index k, JointRows& rows) {
+  const Vector3d r_a = now.turn_a * gear.on_a, r_b = now.turn_b * gear.on_b;
+  const Vector3d n_a = now.turn_a * gear.axis_a, n_b = now.turn_b * gear.axis_b;
+  const Vector3d apart = now.x_a + r_a - now.x_b - r_b;
+  const Vector3d apart_rate = now.v_a + now.w_a.cross(r_a) - now.v_b - now.w_b.cross(r_b);
+  const Vector3d n_a_rate = now.w_a.cross(n_a), n_b_rate = now.w_b.cross(n_b);
+  Vector3d line = n_a.cross(n_b), line_rate = n_a_rate.cross(n_b) + n_a.cross(n_b_rate);
+  if (!gear.intersects) {
+    line = gear.across * apart.cross(n_a) + gear.along * apart;
+    line_rate = gear.across * (apart_rate.cross(n_a) + apart.cross(n_a_rate)) + gear.along * apart_rate;
+  }
+  const double length = line.norm();
+  const Vector3d l = line / length;
+  rows.of_a.block<1, 3>(k, 0) = l.transpose();
+  rows.of_a.block<1, 3>(k, 3) = (r_a.cross(l) + gear.of_a * n_a).transpose();
+  rows.of_b.block<1, 3>(k, 0) = -l.transpose();
+  rows.of_b.block<1, 3>(k, 3) = (gear.of_b * n_b - r_b.cross(l)).transpose();
+  // A wheel's speed about its own axis does not change with the axis.
+  rows.bias[k] = (line_rate - l * l.dot(line_rate)).dot(apart_rate) / length +
+                 l.dot(now.w_a.cross(now.w_a.cross(r_a)) - now.w_b.cross(now.w_b.cross(r_b)));
+}
+
+/// Of a motor that holds its velocity; another one's row says nothing. `alone`: against the world.
+void constrain(const Motor& motor, bool alone, const MotorLine& line, const Pair& now, Eigen::Index k,
+               JointRows& rows) {
   const Vector3d& n = line.axis;
   const Vector3d carried = motor.carrier == Motor::Carrier::a   ? now.w_a
                            : motor.carrier == Motor::Carrier::b ? now.w_b
@@ -649,15 +751,19 @@ void constrain(const Motor& motor, const MotorLine& line, const Pair& now, Eigen
     rows.bias[k] = turning.dot(now.w_a - now.w_b);
     return;
   }
-  // The point of b moves through a.
+  // The point of b moves through a; that in the middle, through both.
   const Vector3d point_rate = now.v_b + now.w_b.cross(line.on_b);
   const Vector3d apart = now.v_a + now.w_a.cross(line.on_a) - point_rate;
+  Vector3d rate_a = point_rate - now.v_a, rate_b = now.w_b.cross(line.on_b);
+  if (motor.midway) {
+    rate_a = alone ? Vector3d(Vector3d::Zero()) : Vector3d((now.v_b - now.v_a) / 2);
+    rate_b = -rate_a;
+  }
   rows.of_a.block<1, 3>(k, 0) = n.transpose();
   rows.of_b.block<1, 3>(k, 0) = -n.transpose();
   rows.of_a.block<1, 3>(k, 3) = line.on_a.cross(n).transpose();
   rows.of_b.block<1, 3>(k, 3) = -line.on_b.cross(n).transpose();
-  rows.bias[k] =
-      turning.dot(apart) + n.dot(now.w_a.cross(point_rate - now.v_a) - now.w_b.cross(now.w_b.cross(line.on_b)));
+  rows.bias[k] = turning.dot(apart) + n.dot(now.w_a.cross(rate_a) - now.w_b.cross(rate_b));
 }
 
 }  // namespace
@@ -672,11 +778,14 @@ void constrain(const Joint& joint, const State& state, std::span<const Matrix3d>
   for (const Square& square : joint.squares) constrain(square, now, k++, rows);
   for (const Slide& slide : joint.slides) constrain(slide, now, k++, rows);
   for (const Distance& distance : joint.distances) constrain(distance, now, k++, rows);
+  for (const Gear& gear : joint.gears) constrain(gear, now, k++, rows);
   for (const Motor& motor : joint.motors) {
     rows.of_a.row(k).setZero();
     rows.of_b.row(k).setZero();
     rows.bias[k] = 0;
-    if (motor.drive == Drive::holds) constrain(motor, line_of(joint, motor, state, turns), now, k, rows);
+    if (motor.drive == Drive::holds) {
+      constrain(motor, joint.b == world_body, line_of(joint, motor, state, turns), now, k, rows);
+    }
     ++k;
   }
 }

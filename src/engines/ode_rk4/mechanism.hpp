@@ -2,13 +2,14 @@
 // Bodies and joints of an ODE world, as its public functions describe them, and the equations of constraint.
 //
 // World frame throughout. A twist (v, w) is the velocity of a body's centre and its angular velocity. A joint is up to
-// six scalar constraints C = 0 of four kinds, each with its row J (C' = J u over the twists u of its two bodies) and
+// six scalar constraints C = 0 of five kinds, each with its row J (C' = J u over the twists u of its two bodies) and
 // the part of C'' that holds no acceleration:
 //
 //   point     r_a - r_b = 0           three rows: the anchors coincide
 //   square    p . n = c               p fixed in body a, n in body b; c = 0 but for a hinge2
 //   slide     p . (r_b - r_a) = 0     p fixed in body a
 //   distance  |r_a - r_b| = d
+//   gear      l . (r_a - r_b)' + R_a w_a . n_a + R_b w_b . n_b = 0, of velocities alone
 //
 //   ball      point                       universal  point, square
 //   hinge     point, 2 square             slider     2 slide, 3 square
@@ -16,10 +17,12 @@
 //   PR        2 slide, 2 square           PU         2 slide, square
 //   dball     distance                    dhinge     distance, slide, 2 square
 //   plane2d   slide, 2 square             hinge2     point or (sprung) 2 slide, square, and one more if it is locked
+//   transmission  gear
 #include <ode/ode.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <span>
 #include <string>
@@ -88,6 +91,15 @@ struct Distance {
   Vector3d on_a, on_b;
   double length;
 };
+/// Two wheels of a transmission about axes of their bodies: what meshes goes at one speed along a line that turns with
+/// the wheels' places.
+struct Gear {
+  Vector3d on_a, on_b;      // the wheels' centres
+  Vector3d axis_a, axis_b;  // in a's and in b's frame
+  bool intersects;          // the axes: the line is square to both of them
+  double across, along;     // else: of the way d from b's centre to a's, l ~ across d x n_a + along d
+  double of_a, of_b;        // radii, signed
+};
 /// The suspension of a hinge2, along an axis: force and speed as ODE's ERP and CFM have them at the step at hand.
 struct Spring {
   Vector3d axis;        // in a's frame
@@ -113,8 +125,9 @@ struct Motor {
   double velocity;  // of a against b, m/s or rad/s
   double most;      // N or N m
   Drive drive = Drive::released;
-  double force = 0;  // on a, while it pushes; while it holds, at the end of the last motion
-  double jump = 0;   // N s or N m s, that brought it to its velocity at once
+  double force = 0;     // on a, while it pushes; while it holds, at the end of the last motion
+  double jump = 0;      // N s or N m s, that brought it to its velocity at once
+  bool midway = false;  // where it slides: its point is in the middle of the two bodies, or at the only one
 };
 
 /// How far a hinge may turn or a slider may slide, of a against b.
@@ -135,13 +148,15 @@ struct Joint {
   std::vector<Square> squares;
   std::vector<Slide> slides;
   std::vector<Distance> distances;
+  std::vector<Gear> gears;
   std::vector<Motor> motors;
   std::vector<Stop> stops;
   std::vector<Spring> springs;
 
   /// Of constraints; those of motors come after.
   Eigen::Index constraints() const {
-    return static_cast<Eigen::Index>(3 * points.size() + squares.size() + slides.size() + distances.size());
+    return static_cast<Eigen::Index>(3 * points.size() + squares.size() + slides.size() + distances.size() +
+                                     gears.size());
   }
   Eigen::Index rows() const { return constraints() + static_cast<Eigen::Index>(motors.size()); }
 };
@@ -175,8 +190,11 @@ inline Matrix3d rotation(const Eigen::Vector4d& turn) {
 }
 
 /// Reads the given bodies, those of the space's geoms in the order they were made, and what their joints lead to, and
-/// numbers them in this order; those of an earlier reading keep theirs. Throws AccurateStepError.
-Mechanism read_mechanism(dWorldID world, dSpaceID space, std::span<dxBody* const> given, const Mechanism& earlier = {});
+/// numbers them in this order; those of an earlier reading keep theirs. `lmotor_rel` tells what the axes of linear
+/// motors are fixed to. Throws AccurateStepError.
+using LMotorRel = std::function<int(dxJoint*, int)>;
+Mechanism read_mechanism(dWorldID world, dSpaceID space, std::span<dxBody* const> given, const Mechanism& earlier = {},
+                         const LMotorRel& lmotor_rel = {});
 
 /// Adds a joint between bodies of the mechanism.
 void add(Mechanism& mechanism, Joint joint);

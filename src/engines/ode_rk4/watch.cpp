@@ -73,6 +73,19 @@ bool look_at_joints(const Mechanism& mechanism, See&& see) {
       same = same && see(bits(dJointGetAMotorMode(id)));
       for (int k = 0; k < parameters.groups; ++k) same = same && see(bits(dJointGetAMotorAxisRel(id, k)));
     }
+    if (type == dJointTypeLMotor) {
+      for (int k = 0; k < parameters.groups; ++k) {
+        dVector3 axis;  // in the frame of what it is fixed to
+        dJointGetLMotorAxis(id, k, axis);
+        for (const int i : {0, 1, 2}) same = same && see(bits(axis[i]));
+      }
+    }
+    if (type == dJointTypeTransmission) {
+      const bool chain = dJointGetTransmissionMode(id) == dTransmissionChainDrive;  // else radii follow
+      same = same && see(bits(dJointGetTransmissionMode(id))) && see(bits(dJointGetTransmissionBacklash(id))) &&
+             see(bits(chain ? dJointGetTransmissionRadius1(id) : dJointGetTransmissionRatio(id))) &&
+             see(bits(chain ? dJointGetTransmissionRadius2(id) : 0));
+    }
     if (type == dJointTypeHinge2) {
       for (const int of : {dParamSuspensionERP, dParamSuspensionCFM}) same = same && see(bits(parameters.get(id, of)));
     }
@@ -84,57 +97,73 @@ bool look_at_joints(const Mechanism& mechanism, See&& see) {
 
 using GetVector = void (*)(dJointID, dReal*);
 
-/// Whose frame an anchor is fixed in.
-enum class AnchorOf { moved, second };  // the first body, or where ODE calls the world that, the second; the second
+/// Whose frame an anchor or an axis is fixed in.
+enum class FixedTo { moved, second };  // the first body, or where ODE calls the world that, the second; the second
 
-/// What tells where a kind of joint is: null for what it has not. Where ODE calls the world the first body, `reversed`
-/// tells the same of the second one.
+/// What tells where a kind of joint is: null for what it has not; a kind may have two. Where ODE calls the world the
+/// first body, `reversed` tells the same of the second one.
 struct PlaceOfKind {
   dJointType type;
   GetVector anchor, anchor_reversed;
-  AnchorOf anchor_of;
+  FixedTo anchor_of;
   GetVector axis, axis_reversed;
+  FixedTo axis_of = FixedTo::moved;
 };
 constexpr std::array places{
-    PlaceOfKind{dJointTypeBall, dJointGetBallAnchor, dJointGetBallAnchor2, AnchorOf::moved, nullptr, nullptr},
-    PlaceOfKind{dJointTypeHinge, dJointGetHingeAnchor, dJointGetHingeAnchor2, AnchorOf::moved, dJointGetHingeAxis,
+    PlaceOfKind{dJointTypeBall, dJointGetBallAnchor, dJointGetBallAnchor2, FixedTo::moved, nullptr, nullptr},
+    PlaceOfKind{dJointTypeHinge, dJointGetHingeAnchor, dJointGetHingeAnchor2, FixedTo::moved, dJointGetHingeAxis,
                 dJointGetHingeAxis},
-    PlaceOfKind{dJointTypeUniversal, dJointGetUniversalAnchor, dJointGetUniversalAnchor2, AnchorOf::moved,
+    PlaceOfKind{dJointTypeUniversal, dJointGetUniversalAnchor, dJointGetUniversalAnchor2, FixedTo::moved,
                 dJointGetUniversalAxis1, dJointGetUniversalAxis2},
-    PlaceOfKind{dJointTypeSlider, nullptr, nullptr, AnchorOf::moved, dJointGetSliderAxis, dJointGetSliderAxis},
-    PlaceOfKind{dJointTypeHinge2, dJointGetHinge2Anchor, dJointGetHinge2Anchor, AnchorOf::moved, dJointGetHinge2Axis1,
+    PlaceOfKind{dJointTypeSlider, nullptr, nullptr, FixedTo::moved, dJointGetSliderAxis, dJointGetSliderAxis},
+    PlaceOfKind{dJointTypeHinge2, dJointGetHinge2Anchor, dJointGetHinge2Anchor, FixedTo::moved, dJointGetHinge2Axis1,
                 dJointGetHinge2Axis1},
-    PlaceOfKind{dJointTypePiston, dJointGetPistonAnchor, dJointGetPistonAnchor, AnchorOf::moved, dJointGetPistonAxis,
+    PlaceOfKind{dJointTypePiston, dJointGetPistonAnchor, dJointGetPistonAnchor, FixedTo::moved, dJointGetPistonAxis,
                 dJointGetPistonAxis},
-    PlaceOfKind{dJointTypePR, dJointGetPRAnchor, dJointGetPRAnchor, AnchorOf::second, dJointGetPRAxis1,
+    PlaceOfKind{dJointTypePR, dJointGetPRAnchor, dJointGetPRAnchor, FixedTo::second, dJointGetPRAxis1,
                 dJointGetPRAxis1},
-    PlaceOfKind{dJointTypePU, dJointGetPUAnchor, dJointGetPUAnchor, AnchorOf::second, dJointGetPUAxis1,
+    PlaceOfKind{dJointTypePU, dJointGetPUAnchor, dJointGetPUAnchor, FixedTo::second, dJointGetPUAxis1,
                 dJointGetPUAxis1},
-    PlaceOfKind{dJointTypeDBall, dJointGetDBallAnchor1, dJointGetDBallAnchor2, AnchorOf::moved, nullptr, nullptr},
-    PlaceOfKind{dJointTypeDHinge, dJointGetDHingeAnchor1, dJointGetDHingeAnchor2, AnchorOf::moved, dJointGetDHingeAxis,
+    PlaceOfKind{dJointTypeTransmission, dJointGetTransmissionAnchor1, dJointGetTransmissionAnchor1, FixedTo::moved,
+                dJointGetTransmissionAxis1, dJointGetTransmissionAxis1},
+    PlaceOfKind{dJointTypeTransmission, dJointGetTransmissionAnchor2, dJointGetTransmissionAnchor2, FixedTo::second,
+                dJointGetTransmissionAxis2, dJointGetTransmissionAxis2, FixedTo::second},
+    PlaceOfKind{dJointTypeDBall, dJointGetDBallAnchor1, dJointGetDBallAnchor2, FixedTo::moved, nullptr, nullptr},
+    PlaceOfKind{dJointTypeDHinge, dJointGetDHingeAnchor1, dJointGetDHingeAnchor2, FixedTo::moved, dJointGetDHingeAxis,
                 dJointGetDHingeAxis},
 };
 
 /// An anchor and an axis, each in the frame of a body that it is fixed to; zeros for what a joint has not.
-std::array<double, 6> place(dJointID joint) {
+std::array<double, 6> place(dJointID joint, const PlaceOfKind& kind) {
   std::array<double, 6> found{};
-  const auto* const kind = std::ranges::find(places, dJointGetType(joint), &PlaceOfKind::type);
-  if (kind == places.end()) return found;
   const bool reversed = dJointGetBody(joint, 0) == nullptr;
   const dBodyID moved = dJointGetBody(joint, reversed ? 1 : 0);
   dVector3 now, in_body;
-  if (const GetVector get = reversed ? kind->anchor_reversed : kind->anchor; get != nullptr) {
+  if (const GetVector get = reversed ? kind.anchor_reversed : kind.anchor; get != nullptr) {
     get(joint, now);
-    const dBodyID of = kind->anchor_of == AnchorOf::moved ? moved : dJointGetBody(joint, 1);
+    const dBodyID of = kind.anchor_of == FixedTo::moved ? moved : dJointGetBody(joint, 1);
     if (of != nullptr) dBodyGetPosRelPoint(of, now[0], now[1], now[2], in_body);
     std::copy_n(of != nullptr ? in_body : now, 3, found.begin());
   }
-  if (const GetVector get = reversed ? kind->axis_reversed : kind->axis; get != nullptr) {
+  if (const GetVector get = reversed ? kind.axis_reversed : kind.axis; get != nullptr) {
     get(joint, now);
-    dBodyVectorFromWorld(moved, now[0], now[1], now[2], in_body);
+    const dBodyID of = kind.axis_of == FixedTo::moved ? moved : dJointGetBody(joint, 1);
+    dBodyVectorFromWorld(of, now[0], now[1], now[2], in_body);
     std::copy_n(in_body, 3, found.begin() + 3);
   }
   return found;
+}
+
+/// Calls `see` with them, until it returns false.
+template <class See>
+bool look_at_places(const Mechanism& mechanism, See&& see) {
+  for (const Joint& joint : mechanism.joints) {
+    const dJointType type = dJointGetType(joint.id);
+    for (const PlaceOfKind& kind : places) {
+      if (kind.type == type && !see(place(joint.id, kind))) return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace
@@ -146,7 +175,10 @@ Watch::Watch(dSpaceID space, const Mechanism& mechanism) : geoms_(geoms(space)) 
   };
   look_at_bodies(mechanism, note);
   look_at_joints(mechanism, note);
-  for (const Joint& joint : mechanism.joints) places_.push_back(place(joint.id));
+  look_at_places(mechanism, [this](const std::array<double, 6>& place) {
+    places_.push_back(place);
+    return true;
+  });
 }
 
 bool Watch::changed(dSpaceID space, const Mechanism& mechanism) const {
@@ -154,15 +186,14 @@ bool Watch::changed(dSpaceID space, const Mechanism& mechanism) const {
   std::size_t k = 0;
   const auto compare = [&](std::uint64_t number) { return k < seen_.size() && seen_[k++] == number; };
   if (!look_at_bodies(mechanism, compare) || !look_at_joints(mechanism, compare) || k != seen_.size()) return true;
-  for (std::size_t j = 0; j < places_.size(); ++j) {
-    const auto now = place(mechanism.joints[j].id);
-    for (std::size_t i = 0; i < now.size(); ++i) {
-      constexpr double rounding =
-          1e-9;  // of turning to and fro, with a wide margin: far less than one would move an anchor
-      if (std::fabs(now[i] - places_[j][i]) > rounding * (1 + std::fabs(now[i]))) return true;
-    }
-  }
-  return false;
+  auto before = places_.begin();
+  return !look_at_places(mechanism, [&before](const std::array<double, 6>& now) {
+    // Of turning to and fro, with a wide margin: far less than one would move an anchor.
+    constexpr double rounding = 1e-9;
+    return std::ranges::equal(now, *before++, [](double one, double other) {
+      return std::fabs(one - other) <= rounding * (1 + std::fabs(one));
+    });
+  });
 }
 
 }  // namespace odeval::engine_rk4
