@@ -64,7 +64,8 @@ std::string_view knob_name(Knob knob) {
 Accuracy::Accuracy(const Scenario& scenario, double until_s)
     : scenario_(until(scenario, until_s)),
       spacing_s_(scenario_.step_s),
-      reference_(reference::solve_reference(scenario_, sample_grid(scenario_))) {}
+      reference_(scenario_.planar ? reference::solve_reference(scenario_, sample_grid(scenario_))
+                                  : Evaluator(scenario_).reference()) {}
 
 double Accuracy::fitting_step(double h) const { return spacing_s_ / std::max(1.0, std::round(spacing_s_ / h)); }
 
@@ -91,7 +92,7 @@ Trial Accuracy::try_setting(const Method& method, double setting) const {
   try {
     Evaluator evaluator = at(method, setting);
     const Evaluation run = evaluator.evaluate(method);
-    trial.error = *evaluator.measure(run, scenario_.duration_s)[quantity::max_error_q];
+    trial.error = *evaluator.measure(run, scenario_.duration_s)[searched_error(scenario_)];
     trial.steps = run.outcome.steps;
     trial.evaluations = run.outcome.evaluations;
     trial.suspect = suspicion(run.outcome);
@@ -100,7 +101,9 @@ Trial Accuracy::try_setting(const Method& method, double setting) const {
   return trial;
 }
 
-double Accuracy::uncertainty() const { return *std::ranges::max_element(reference_.uncertainty_q); }
+double Accuracy::uncertainty() const {
+  return std::ranges::max(scenario_.planar ? reference_.uncertainty_q : reference_.uncertainty_turn);
+}
 
 Search Accuracy::cheapest(const Method& method, double max_error, long most_steps) const {
   Search search;

@@ -24,6 +24,12 @@ inline constexpr std::array<std::string_view, 5> searched_keys{"step", "duration
 Knob knob_of(const Method& method);
 std::string_view knob_name(Knob knob);  // "h", "rtol", ""
 
+/// The error that searches are about: of angles, or without them the largest angle between a body's attitude and the
+/// true one, rad.
+inline quantity::Id searched_error(const Scenario& scenario) {
+  return scenario.planar ? quantity::max_error_q : quantity::max_error_turn;
+}
+
 /// One setting of the knob, and what it led to.
 struct Trial {
   double setting = 0;                                      // h in s, or rtol
@@ -50,7 +56,8 @@ struct Search {
 /// steps are whole fractions of that, and adaptive methods are read off there by their own interpolation.
 class Accuracy {
  public:
-  /// Solves the reference. `scenario`'s own duration, step, sampling and tolerances do not matter.
+  /// Solves the reference, which is the same at every step: no controller looks once a step. `scenario`'s own duration,
+  /// step, sampling and tolerances do not matter.
   Accuracy(const Scenario& scenario, double until_s);
 
   double row_spacing_s() const { return spacing_s_; }

@@ -55,6 +55,7 @@ constexpr double helps = 0.98;  // an excess that falls by less is no matter of 
 struct Candidate {
   const catalogue::Method* method = nullptr;
   Start start = Start::as_given;
+  std::optional<double> erp{};       // another than the scenario's
   double setting = 0;                // of its knob
   std::optional<double> sample_s{};  // where the scenario says which rows it wants: every step counts
   std::unique_ptr<catalogue::Evaluator> evaluator{};
@@ -68,12 +69,15 @@ struct Candidate {
   double mad_s = 0;
 };
 
-constexpr std::string_view start_key = "ode.start";  // is searched as well, but for a start that was asked for
+// Are searched as well, but for what was asked for.
+constexpr std::string_view start_key = "ode.start";
+constexpr std::string_view erp_key = "ode.erp";
+constexpr std::array other_erps{0.05, 0.8};  // a fraction of the usual 0.2, and near the whole error in a step
 
-bool start_is_asked_for(const Options& options) {
-  return std::ranges::any_of(options.settings.overrides(),
-                             [](const Override& setting) { return setting.key == start_key; });
+bool is_asked_for(const Options& options, std::string_view key) {
+  return std::ranges::any_of(options.settings.overrides(), [&](const Override& setting) { return setting.key == key; });
 }
+bool start_is_asked_for(const Options& options) { return is_asked_for(options, start_key); }
 
 /// As a shell takes it for one word.
 std::string in_shell(const std::string& word) {
@@ -105,6 +109,7 @@ std::string command_of(const Candidate& candidate, const Options& options) {
   } else if (start_is_asked_for(options) && catalogue::has_half_step_start(*candidate.method)) {
     command += " --start as-given";
   }
+  if (candidate.erp) command += " --erp " + number_text(*candidate.erp);
   for (const Override& setting : options.settings.overrides()) {
     const bool another_engines =
         catalogue::is_engine_setting(setting.key) && !catalogue::has_setting(*candidate.method, setting.key);
@@ -119,12 +124,14 @@ class Search {
  public:
   Search(const Options& options, Scenario scenario) : options_(options), scenario_(std::move(scenario)) {}
 
-  Candidate cheapest(const catalogue::Method& method, Start start) const {
+  Candidate cheapest(const catalogue::Method& method, Start start, std::optional<double> erp = {}) const {
     Candidate candidate;
     candidate.method = &method;
     candidate.start = start;
+    candidate.erp = erp;
     Scenario scenario = scenario_;
     scenario.ode.start = start;
+    scenario.ode.erp = erp.value_or(scenario.ode.erp);
     const catalogue::Accuracy accuracy(scenario, options_.until);
     const catalogue::Search found = accuracy.cheapest(method, options_.max_error, most_steps_of_a_search);
     if (!found.reached) {
@@ -141,6 +148,7 @@ class Search {
     for (int attempt = 0; attempt < most_attempts; ++attempt) {
       run(candidate, scenario);
       if (keeps(candidate)) {
+        if (!scenario.planar) return candidate;  // the reference of each further step costs more than the step gains
         return steadied(coarsest(std::move(candidate), scenario, accuracy.row_spacing_s()), scenario);
       }
       const double excess = excess_of(candidate);
@@ -175,6 +183,7 @@ class Search {
     Candidate candidate;
     candidate.method = like.method;
     candidate.start = like.start;
+    candidate.erp = like.erp;
     candidate.setting = options_.until / static_cast<double>(number);
     run(candidate, scenario);
     return candidate;
@@ -245,8 +254,9 @@ class Search {
     const catalogue::Evaluation done = candidate.evaluator->evaluate(*candidate.method);
     const SampleGrid& rows = candidate.evaluator->grid();
     const Metrics metrics = candidate.evaluator->measure(done, rows.time(rows.rows - 1));
-    candidate.error = metrics[quantity::max_error_q].value_or(std::numeric_limits<double>::infinity());
-    candidate.uncertainty = metrics[quantity::reference_uncertainty].value_or(0);
+    const quantity::Id error = catalogue::searched_error(scenario_);
+    candidate.error = metrics[error].value_or(std::numeric_limits<double>::infinity());
+    candidate.uncertainty = uncertainty_of(error, metrics).value_or(0);
     candidate.drift = *metrics[quantity::max_energy_drift];
     candidate.steps = done.outcome.steps;
     candidate.suspect = suspicion(done.outcome);
@@ -300,14 +310,14 @@ std::string setting_text(const Candidate& candidate) {
   const std::string knob(knob_name(catalogue::knob_of(*candidate.method)));
   std::string text = knob.empty() ? "-" : knob + " = " + three_digits(candidate.setting);
   if (candidate.start == Start::half_step) text += ", half-step start";
+  if (candidate.erp) text += ", ERP " + number_text(*candidate.erp);
   return text;
 }
 
-std::string table_csv(const std::vector<Candidate>& candidates, const Options& options) {
-  std::string text =
-      fmt::format("method,start,knob,setting,{},{},{},steps,median_s,mad_s,keeps,why_not,command\n",
-                  quantities[quantity::max_error_q].name, quantities[quantity::reference_uncertainty].name,
-                  quantities[quantity::max_energy_drift].name);
+std::string table_csv(const std::vector<Candidate>& candidates, const Options& options, quantity::Id error) {
+  std::string text = fmt::format("method,start,knob,setting,{},{},{},steps,median_s,mad_s,keeps,why_not,command\n",
+                                 quantities[error].name, quantities[*quantities[error].uncertainty].name,
+                                 quantities[quantity::max_energy_drift].name);
   for (const Candidate& candidate : candidates) {
     const bool keeps = candidate.why_not.empty();
     text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", candidate.method->name,
@@ -321,10 +331,18 @@ std::string table_csv(const std::vector<Candidate>& candidates, const Options& o
   return text;
 }
 
+/// Angles of pendulums, attitudes of other bodies; one true motion, whatever the step.
 void require_angles(const Options& options, const Scenario& scenario) {
   if (scenario.planar) return;
-  throw UserError(options.scenario + ": errors are looked for in angles, and scenario '" + scenario.name +
-                  "' has none; 'odeval sweep' takes any error");
+  const Mechanism& mechanism = scenario.mechanism;
+  if (mechanism.joints.empty() || !mechanism.contacts.empty()) {
+    throw UserError(options.scenario + ": errors are looked for in angles, and scenario '" + scenario.name +
+                    "' has none; 'odeval sweep' takes any error");
+  }
+  if (std::ranges::none_of(mechanism.joints, &Joint::sampled)) return;
+  throw UserError(options.scenario + ": a controller of '" + scenario.name +
+                  "' looks once a step, so that another step is another motion; give it sampling = \"continuous\", "
+                  "or use 'odeval sweep'");
 }
 
 /// Throws UserError where the reference does not know the angles as well as asked.
@@ -349,6 +367,11 @@ std::vector<Candidate> find_candidates(const Options& options, const Scenario& s
     candidates.push_back(search.cheapest(*method, has_start ? scenario.ode.start : Start::as_given));
     if (has_start && !start_is_asked_for(options) && scenario.ode.start != Start::half_step) {
       candidates.push_back(search.cheapest(*method, Start::half_step));
+    }
+    // ERP counts as much as the step where joints are not those of a plane.
+    if (scenario.planar || !catalogue::reads(*method, erp_key, scenario) || is_asked_for(options, erp_key)) continue;
+    for (const double erp : other_erps) {
+      candidates.push_back(search.cheapest(*method, has_start ? scenario.ode.start : Start::as_given, erp));
     }
   }
   time_them(candidates, progress);
@@ -402,7 +425,7 @@ int recommend(const Options& options) {
 
   const std::vector<Candidate> candidates = find_candidates(options, scenario, methods);
   const auto file = std::filesystem::path(options.out) / "recommend" / (scenario.name + ".csv");
-  write_whole(file, table_csv(candidates, options));
+  write_whole(file, table_csv(candidates, options, catalogue::searched_error(scenario)));
   if (!options.quiet) {
     std::cout << scenario.name << ": what keeps " << budget_of(options) << ", cheapest first\n\n"
               << candidates_table(candidates) << '\n'
@@ -419,7 +442,9 @@ int recommend(const Options& options) {
 Action attach_recommend(Flags& flags) {
   const auto options = std::make_shared<Options>();
   flags.add_option("SCENARIO", options->scenario, "a name ('odeval list') or a .toml file").required();
-  flags.add_option("--max-error", options->max_error, "largest angle error allowed, rad")
+  flags
+      .add_option("--max-error", options->max_error,
+                  "largest error allowed of an angle or, of bodies in space, of an attitude, rad")
       .type_name("E")
       .required()
       .check(number_within(1e-15, greatest_error));
