@@ -132,11 +132,13 @@ void confirm(Reference& reference, const Scenario& scenario, const SampleGrid& g
     }
     before = std::move(run.trace);
   }
-  reference.origin += (least <= 1 ? "; confirmed by" : "; differs from") +
-                      (" a second formulation, the accurate step of order 8 at h/" + std::to_string(finest)) + ": " +
-                      three_digits(std::ranges::max(nearest.position)) + " m and " +
-                      three_digits(std::ranges::max(nearest.turn)) + " rad apart" +
-                      (least <= 1 ? "" : ", which is the uncertainty where it is the larger");
+  const bool agree = least <= 1;
+  const std::string sign = agree ? "± " : "";
+  reference.origin += (agree ? "; confirmed by" : "; differs from") +
+                      (" a second formulation, the accurate step of order 8 at h/" + std::to_string(finest)) +
+                      (agree ? " to " : " by ") + sign + three_digits(std::ranges::max(nearest.position)) + " m and " +
+                      sign + three_digits(std::ranges::max(nearest.turn)) + " rad" +
+                      (agree ? "" : ", which is the uncertainty where it is the larger");
   raise(reference.uncertainty_position, nearest.position);
   raise(reference.uncertainty_turn, nearest.turn);
   raise(reference.uncertainty_spin, nearest.spin);

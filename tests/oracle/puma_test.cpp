@@ -173,7 +173,8 @@ void kdl_agrees(const Scenario& scenario, const Reference& reference, const Samp
   CHECK_BETWEEN(own, 0, 1e-7);  // else the agreement says little
 }
 
-// Runs at a step and at a half and a quarter of it, extrapolated: the limit is uncertain by what the finest run changes of it.
+// Runs at a step and at a half and a quarter of it, extrapolated: the limit is uncertain by what the finest run changes
+// of it.
 void the_limit_of_ode_agrees(const Scenario& scenario, const Reference& reference, const SampleGrid& rows) {
   std::vector<Trace> runs;
   for (const int parts : {8, 16, 32}) {
