@@ -95,6 +95,8 @@ class Tree final : public SimbodyTree {
   void push(std::size_t body, double force) override;
   Vec3 direction(const double* y, std::size_t body, const Vec3& axis_at_start) override;
   const std::vector<double>& kick(const double* y, std::size_t body) override;
+  Impulse impulse(const double* y, std::size_t body, std::optional<std::size_t> other, const Vec3& point,
+                  const Vec3& direction) override;
   void slope(const double* y, double* dydt) override;
   const std::vector<Placed>& bodies(const double* y) override;
   const std::vector<Placed>& pushed(double dt) override;
@@ -232,6 +234,24 @@ const std::vector<double>& Tree::kick(const double* y, std::size_t body) {
   system_->matter.multiplyByMInv(system_->state, impulse, gained);
   kick_ = numbers(gained);
   return kick_;
+}
+
+SimbodyTree::Impulse Tree::impulse(const double* y, std::size_t body, std::optional<std::size_t> other,
+                                   const Vec3& point, const Vec3& direction) {
+  System& system = *system_;
+  system.realize(y, SimTK::Stage::Position);
+  SimTK::Vector_<SimTK::SpatialVec> loads(system.matter.getNumBodies(), SimTK::SpatialVec(SimTK::Vec3(0)));
+  const auto load = [&](std::size_t number, const SimTK::Vec3& push) {
+    const SimTK::MobilizedBody& on = system.bodies[number];
+    const SimTK::Vec3 arm = simbody(point) - on.getBodyOriginLocation(system.state);
+    loads[on.getMobilizedBodyIndex()] = SimTK::SpatialVec(arm % push, push);
+  };
+  load(body, simbody(direction));
+  if (other) load(*other, -simbody(direction));
+  SimTK::Vector along, gained;
+  system.matter.multiplyBySystemJacobianTranspose(system.state, loads, along);
+  system.matter.multiplyByMInv(system.state, along, gained);
+  return {numbers(along), numbers(gained)};
 }
 
 void Tree::slope(const double* y, double* dydt) {

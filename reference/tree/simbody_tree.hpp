@@ -2,6 +2,7 @@
 // A tree of bodies in Simbody, which is loaded when the first is wanted. Its headers are C++17 (in C++20 they are
 // ambiguous), so is what stands here and beside it, and nothing that includes them is included elsewhere.
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,15 @@ class SimbodyTree {
   virtual Vec3 direction(const double* y, std::size_t body, const Vec3& axis_at_start) = 0;
   /// What a unit impulse along it adds to all speeds, in their order in a state; stays until the next call.
   virtual const std::vector<double>& kick(const double* y, std::size_t body) = 0;
+
+  /// What a unit impulse in a direction does at a point of a body, and its opposite at that point of another one, if
+  /// there is one.
+  struct Impulse {
+    std::vector<double> along;   // of all speeds: how fast they move the point that way
+    std::vector<double> gained;  // by all speeds
+  };
+  virtual Impulse impulse(const double* y, std::size_t body, std::optional<std::size_t> other, const Vec3& point,
+                          const Vec3& direction) = 0;
 
   /// dy/dt
   virtual void slope(const double* y, double* dydt) = 0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "reference/maximal/box_lcp.hpp"
 #include "reference/tree/simbody_tree.hpp"
@@ -42,6 +43,7 @@ TreeEquations::TreeEquations(const Scenario& scenario)
       planar_(scenario.planar),
       tree_(spanning_tree(scenario.mechanism).value()),
       simbody_(open_simbody_tree(scenario.mechanism, tree_, scenario.gravity)),
+      points_(contact_points(scenario.mechanism).value()),
       start_(simbody_->start()) {
   for (const Branch& branch : tree_) {
     if (!branch.joint || !joints_[*branch.joint].driven()) continue;
@@ -237,6 +239,104 @@ TreeEquations::State TreeEquations::struck(const double* y, const Strike& strike
     const std::vector<double>& kick = simbody_->kick(y, axis.body);
     const double along = axis.sign * strike.away[i] * impulse[static_cast<Eigen::Index>(i)];
     for (std::size_t j = 0; j < kick.size(); ++j) after[simbody_->first_speed() + j] += along * kick[j];
+  }
+  return after;
+}
+
+std::vector<Meeting> TreeEquations::meetings(const double* y) const {
+  const std::vector<Placed>& bodies = simbody_->bodies(y);
+  std::vector<Meeting> all;
+  for (const ContactPoint& point : points_) all.push_back(meeting(point, bodies));
+  return all;
+}
+
+Meeting TreeEquations::meeting_at(const double* y, std::size_t point) const {
+  return meeting(points_[point], simbody_->bodies(y));
+}
+
+/// A unit impulse at each of some points: what it adds to the speeds, and to how fast each point parts.
+struct TreeEquations::Impacts {
+  std::vector<std::vector<double>> gained;
+  Eigen::MatrixXd parting;
+  Eigen::VectorXd rate;  // before
+};
+
+TreeEquations::Impacts TreeEquations::impacts(const double* y, const std::vector<std::size_t>& points) const {
+  const auto count = static_cast<Eigen::Index>(points.size());
+  Impacts all{{}, Eigen::MatrixXd(count, count), Eigen::VectorXd(count)};
+  std::vector<std::vector<double>> along;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Meeting now = meeting_at(y, points[i]);
+    const ContactPoint& point = points_[points[i]];
+    SimbodyTree::Impulse impulse = simbody_->impulse(y, point.body, point.other, now.point_m, now.normal);
+    all.rate[static_cast<Eigen::Index>(i)] = now.rate_m_s;
+    along.push_back(std::move(impulse.along));
+    all.gained.push_back(std::move(impulse.gained));
+  }
+  for (Eigen::Index i = 0; i < count; ++i) {
+    for (Eigen::Index j = 0; j < count; ++j) {
+      const std::vector<double>& way = along[static_cast<std::size_t>(i)];
+      all.parting(i, j) =
+          std::inner_product(way.begin(), way.end(), all.gained[static_cast<std::size_t>(j)].begin(), 0.0);
+    }
+  }
+  return all;
+}
+
+// Of points that meet at once those that the ones before them do not bind already: two corners that strike together
+// where the body can but turn about one axis are one. Then, of these, those that have to push.
+TreeEquations::Hit TreeEquations::hit(const double* y, std::size_t point) const {
+  std::vector<std::size_t> meet{point};
+  const std::vector<Meeting> now = meetings(y);
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    if (i != point && now[i].apart_m <= at_end && now[i].rate_m_s < 0) meet.push_back(i);
+  }
+  const Impacts all = impacts(y, meet);
+  Hit bound;
+  std::vector<Eigen::Index> kept;
+  for (std::size_t i = 0; i < meet.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    std::vector<Eigen::Index> with = kept;
+    with.push_back(k);
+    constexpr double dependent = 1e-9;  // of its own mobility, what is left of it where the others hold
+    const Eigen::MatrixXd a = all.parting(with, with);
+    const auto factors = a.ldlt();
+    if (!kept.empty() && !(factors.vectorD().minCoeff() > dependent * a.diagonal().maxCoeff())) continue;
+    kept = std::move(with);
+    bound.points.push_back(meet[i]);
+    const double approach = -all.rate[k];
+    const double restitution = points_[meet[i]].restitution;
+    bound.restitution.push_back(approach * restitution > rest_speed ? restitution : 0);
+  }
+  const auto count = static_cast<Eigen::Index>(kept.size());
+  Eigen::VectorXd wanted(count), impulse(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    wanted[i] = -(1 + bound.restitution[static_cast<std::size_t>(i)]) * all.rate[kept[static_cast<std::size_t>(i)]];
+  }
+  maximal::BoxLcp().solve(count, all.parting(kept, kept), wanted, Eigen::VectorXd::Zero(count),
+                          Eigen::VectorXd::Constant(count, unbounded), impulse);
+  Hit felt;
+  for (std::size_t i = 0; i < bound.points.size(); ++i) {
+    if (impulse[static_cast<Eigen::Index>(i)] <= 0 && bound.points[i] != point) continue;
+    felt.points.push_back(bound.points[i]);
+    felt.restitution.push_back(bound.restitution[i]);
+  }
+  return felt;
+}
+
+TreeEquations::State TreeEquations::rebounded(const double* y, const Hit& hit) const {
+  State after(y, y + size());
+  const Impacts all = impacts(y, hit.points);
+  Eigen::VectorXd wanted(all.rate.size());
+  for (Eigen::Index i = 0; i < wanted.size(); ++i) {
+    wanted[i] = -(1 + hit.restitution[static_cast<std::size_t>(i)]) * all.rate[i];
+  }
+  const Eigen::VectorXd impulse = all.parting.llt().solve(wanted);
+  for (std::size_t i = 0; i < hit.points.size(); ++i) {
+    const std::vector<double>& gained = all.gained[i];
+    for (std::size_t j = 0; j < gained.size(); ++j) {
+      after[simbody_->first_speed() + j] += impulse[static_cast<Eigen::Index>(i)] * gained[j];
+    }
   }
   return after;
 }

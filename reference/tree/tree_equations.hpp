@@ -10,6 +10,7 @@
 
 #include "odeval/motion.hpp"
 #include "odeval/scenario.hpp"
+#include "reference/tree/contact_points.hpp"
 #include "reference/tree/spanning_tree.hpp"
 
 namespace odeval::reference {
@@ -89,6 +90,19 @@ class TreeEquations {
   Strike strike(const double* y, std::size_t axis) const;
   /// The state after it.
   State struck(const double* y, const Strike& strike) const;
+  /// Where bodies may meet, and how these places stand at a state.
+  const std::vector<ContactPoint>& points() const { return points_; }
+  std::vector<Meeting> meetings(const double* y) const;
+  Meeting meeting_at(const double* y, std::size_t point) const;
+  /// Points at which bodies strike each other at a moment.
+  struct Hit {
+    std::vector<std::size_t> points;
+    std::vector<double> restitution;  // of each: the speed after over the speed before
+  };
+  /// Of a point that meets at a state, with those others that meet there as well and feel it.
+  Hit hit(const double* y, std::size_t point) const;
+  /// The state after it.
+  State rebounded(const double* y, const Hit& hit) const;
   /// The bodies at t = 0, with the speeds that weights, gyroscopic torques and what acts along joints alone would have
   /// given after dt, s.
   const std::vector<Placed>& pushed(double dt) const;
@@ -112,6 +126,8 @@ class TreeEquations {
   static constexpr double rest_speed = 1e-7;
 
  private:
+  struct Impacts;
+  Impacts impacts(const double* y, const std::vector<std::size_t>& points) const;
   Eigen::VectorXd impulses(const double* y, const Strike& strike, const std::optional<Eigen::VectorXd>& most) const;
   void push(double t, const double* y, const Grips& grips, const std::vector<double>& held) const;
 
@@ -120,6 +136,7 @@ class TreeEquations {
   std::vector<Branch> tree_;
   std::unique_ptr<SimbodyTree> simbody_;
   std::vector<Axis> axes_;
+  std::vector<ContactPoint> points_;
   State start_;
 };
 

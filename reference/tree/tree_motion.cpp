@@ -55,7 +55,20 @@ TreeMotion::TreeMotion(const TreeEquations& equations, const Scenario& scenario,
     for (const Controller& controller : axis.joint.controllers) add_bends(bends_, controller.target);
   }
   std::ranges::sort(bends_);
+  for (const Body& body : scenario.mechanism.bodies) names_.push_back(body.name);
+  require_clear_start();
   solver_.start(0, state_.data());
+}
+
+void TreeMotion::require_clear_start() const {
+  const std::vector<Meeting> all = equations_.meetings(state_.data());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].apart_m > TreeEquations::at_end || all[i].rate_m_s > TreeEquations::rest_speed) continue;
+    throw UserError(
+        fmt::format("{}: at t = 0 body '{}' lies {:.3g} m inside what it touches: the reference knows of "
+                    "impacts and not of rest; start it clear of that, or moving away",
+                    file_, names_[equations_.points()[i].body], -all[i].apart_m));
+  }
 }
 
 void TreeMotion::require_progress() {
@@ -97,7 +110,7 @@ void TreeMotion::advance() {
   if (std::isfinite(known)) solver_.end_by(known);
   solver_.step();
   end_ = solver_.end();
-  if (equations_.axes().empty()) return;
+  if (equations_.axes().empty() && equations_.points().empty()) return;
   if (const std::optional<Event> event = first_event()) {
     happen(*event);
   } else if (end_ >= known) {
@@ -141,6 +154,24 @@ std::optional<TreeMotion::Event> TreeMotion::first_event() {
       }
     }
   }
+  const std::optional<Event> meeting = first_meeting();
+  return meeting && (!first || meeting->t < first->t) ? meeting : first;
+}
+
+std::optional<TreeMotion::Event> TreeMotion::first_meeting() {
+  const std::size_t count = equations_.points().size();
+  if (count == 0) return std::nullopt;
+  const std::vector<Meeting> at_begin = equations_.meetings(at(begin_).data());
+  const std::vector<Meeting> at_end = equations_.meetings(at(end_).data());
+  std::optional<Event> first;
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool falls = at_begin[i].rate_m_s < 0 || at_end[i].rate_m_s < 0;
+    if (!falls) continue;
+    const auto now = [this, i](double t) { return equations_.meeting_at(at(t).data(), i); };
+    const std::optional<double> t =
+        first_fall([&](double s) { return now(s).apart_m; }, [&](double s) { return now(s).rate_m_s; });
+    if (t && (!first || *t < first->t)) first = Event{*t, 0, {}, false, i};
+  }
   return first;
 }
 
@@ -148,6 +179,10 @@ std::optional<TreeMotion::Event> TreeMotion::first_event() {
 std::optional<double> TreeMotion::first_touch(const Axis& axis, bool low) {
   const auto height = [&](double t) { return gap(axis, at(t).data(), low); };
   const auto rate = [&](double t) { return (low ? 1 : -1) * axis.rate(at(t).data()); };
+  return first_fall(height, rate);
+}
+
+std::optional<double> TreeMotion::first_fall(const Number& height, const Number& rate) const {
   const double rate_begin = rate(begin_);
   const double rate_end = rate(end_);
   double from = begin_;
@@ -180,6 +215,7 @@ std::optional<double> TreeMotion::first_zero(const std::function<double(double)>
 }
 
 void TreeMotion::happen(const Event& event) {
+  if (event.point) return meet(event);
   const Axis& axis = equations_.axes()[event.axis];
   Change change{event.t, at(event.t), {}, {}, {}, {}};
   if (event.strikes) {
@@ -205,6 +241,26 @@ void TreeMotion::happen(const Event& event) {
   std::optional<TreeEquations::Released> released;
   if (event.lets_go) released = {event.axis, *event.lets_go};
   change.grips = equations_.grips(event.t, change.after.data(), released);
+  ++changes_;
+  change_to(std::move(change));
+}
+
+void TreeMotion::meet(const Event& event) {
+  Change change{event.t, at(event.t), {}, {}, {}, {}};
+  const double* const now = change.before.data();
+  const TreeEquations::Hit hit = equations_.hit(now, *event.point);
+  if (std::ranges::min(hit.restitution) == 0) {
+    throw UserError(
+        fmt::format("{}: at t = {:.9g} s body '{}' comes to rest on what it touches: the reference knows of "
+                    "impacts and not of rest; a shorter duration ends before it",
+                    file_, event.t, names_[equations_.points()[*event.point].body]));
+  }
+  change.jump = [this, hit](const State& y) { return equations_.rebounded(y.data(), hit); };
+  change.cause = [this, point = *event.point](double, const State& y) {
+    return equations_.meeting_at(y.data(), point).apart_m;
+  };
+  change.after = change.jump(change.before);
+  change.grips = equations_.grips(event.t, change.after.data());
   ++changes_;
   change_to(std::move(change));
 }

@@ -2,8 +2,8 @@
 // A tree of bodies integrated by CVODE, step by step, cut short where a motor or a stop changes what it does.
 //
 // Such a moment is located on the solver's own polynomial: a joint strikes its stop or is pressed off it no more, a
-// motor reaches its speed or the force it needs for that reaches its limit. Steps end at the known times at which
-// controllers look and tables bend.
+// motor reaches its speed or the force it needs for that reaches its limit, bodies meet. Steps end at the known times
+// at which controllers look and tables bend.
 #include <functional>
 #include <optional>
 #include <string>
@@ -54,21 +54,29 @@ class TreeMotion {
     std::size_t axis;
     std::optional<double> lets_go;  // at this force; absent: strikes or reaches its speed
     bool strikes;
+    std::optional<std::size_t> point = {};  // at which bodies meet, in the place of an axis
   };
+  /// What falls to 0 at an event, and how fast it changes.
+  using Number = std::function<double(double t)>;
 
   void require_progress();
   double next_known_time() const;
   std::optional<Event> first_event();
+  std::optional<Event> first_meeting();
   std::optional<double> first_touch(const TreeEquations::Axis& axis, bool low);
+  std::optional<double> first_fall(const Number& height, const Number& rate) const;
   std::optional<double> first_zero(const std::function<double(double)>& margin, double slack);
   void happen(const Event& event);
+  void meet(const Event& event);
+  void require_clear_start() const;
   void happen_at_known_time();
   void change_to(Change change);
 
   const TreeEquations& equations_;
   std::string name_;
-  std::string file_;  // for messages
-  double step_s_;     // the scenario's, at which controllers look
+  std::string file_;                // for messages
+  std::vector<std::string> names_;  // of bodies, likewise
+  double step_s_;                   // the scenario's, at which controllers look
   Grips grips_;
   CvodeSolver solver_;
   State state_;

@@ -74,7 +74,7 @@ class TreeSimulation final : public Simulation {
 bool is_tree(const Scenario& scenario) {
   const Mechanism& mechanism = scenario.mechanism;
   return !scenario.planar && (features_of(scenario) - known_of_trees).empty() && !mechanism.bodies.empty() &&
-         spanning_tree(mechanism).has_value();
+         spanning_tree(mechanism).has_value() && contact_points(mechanism).has_value();
 }
 
 Reference solve_tree(const Scenario& scenario, const SampleGrid& grid) {

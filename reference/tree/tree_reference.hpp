@@ -9,10 +9,10 @@
 namespace odeval::reference {
 
 /// What is known of trees.
-inline constexpr Features known_of_trees{Feature::space,  Feature::joints_in_space, Feature::inertia,
-                                         Feature::motors, Feature::stops,           Feature::loads};
+inline constexpr Features known_of_trees{Feature::space, Feature::joints_in_space, Feature::inertia, Feature::motors,
+                                         Feature::stops, Feature::loads,           Feature::ground};
 
-/// Bodies in space whose joints start closed and close no loop; nothing touches them.
+/// Bodies in space whose joints start closed and close no loop; what touches is of contact_points.hpp.
 bool is_tree(const Scenario& scenario);
 
 /// CVODE at the reference's two tolerances, with the bound of tree_uncertainty.hpp on every sample.

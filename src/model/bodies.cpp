@@ -103,7 +103,10 @@ void settle_bodies(Draft& draft) {
 }
 
 void place_bodies(Draft& draft) {
-  if (draft.said.problem->joints) settle_joints(draft);
+  if (draft.said.problem->joints) {
+    settle_joints(draft);
+    settle_contacts(draft);
+  }
   if (draft.said.joint) check_joint(draft);
   if (draft.said.ground) lay_on_ground(draft.said);
   if (draft.said.joint) pull_out_of_joint(draft.said);

@@ -83,6 +83,15 @@ void add_loads(Definition& all, const char* list, const std::vector<LoadTable<Lo
   }
 }
 
+void add_contact(Section section, const ContactTable& contact) {
+  // Names are words, and a definition has no lists of them.
+  for (std::size_t i = 0; i < contact.between.size(); ++i) {
+    section.add(i == 0 ? "between.0" : "between.1", contact.between[i]);
+  }
+  section.add("restitution", contact.restitution);
+  if (contact.friction) section.add("friction", *contact.friction);
+}
+
 void add_joint_of_tree(Section section, const JointTable& joint) {
   section.add("kind", std::string(joint.kind->word))
       .add("parent", joint.parent)
@@ -112,6 +121,15 @@ Definition definition_of(const Description& said) {
   add_loads(all, "springs", said.springs);
   add_loads(all, "torques", said.torques);
   add_loads(all, "controllers", said.controllers);
+  number = 0;
+  for (const PlaneTable& plane : said.planes) {
+    Section(all, fmt::format("planes.{}", number++))
+        .add("name", plane.name)
+        .add("normal", plane.normal)
+        .add("point", plane.point_m);
+  }
+  number = 0;
+  for (const ContactTable& contact : said.contacts) add_contact({all, fmt::format("contacts.{}", number++)}, contact);
   if (said.ground) add_ground({all, "ground"}, *said.ground, said.problem->friction);
   if (said.joint) add_joint({all, "joint"}, *said.joint);
   if (said.wall) {

@@ -58,6 +58,20 @@ struct LoadTable {
   Load load{};
 };
 
+/// One table [[planes]]: below it all is solid.
+struct PlaneTable {
+  std::string name;
+  Vec3 normal{0, 0, 1};
+  Vec3 point_m{};
+};
+
+/// One table [[contacts]].
+struct ContactTable {
+  std::vector<std::string> between;  // names of two; empty: whatever meets
+  double restitution = 0;
+  std::optional<double> friction = {};  // a coefficient
+};
+
 struct Description {
   const Problem* problem = nullptr;
   std::optional<int> n;  // links of a chain; absent: as many as are listed
@@ -72,6 +86,8 @@ struct Description {
   std::vector<LoadTable<JointSpring>> springs;
   std::vector<LoadTable<Signal>> torques;
   std::vector<LoadTable<Controller>> controllers;
+  std::vector<PlaneTable> planes;
+  std::vector<ContactTable> contacts;
 
   /// The body of that name; nothing without one.
   std::optional<std::size_t> body_named(std::string_view name) const;

@@ -59,6 +59,9 @@ void check_start_of_links(const Draft& draft);
 /// Joints between bodies with names: a tree that its start fits. Axes become unit ones.
 void settle_joints(Draft& draft);
 
+/// Planes with names, and contacts between what there is. Normals become unit ones.
+void settle_contacts(Draft& draft);
+
 /// Bodies where they start in the world: laid on the ground, pulled out of the joint, which is checked before.
 void place_bodies(Draft& draft);
 

@@ -86,6 +86,21 @@ void put_ground(Scenario& scenario, const GroundTable& table, bool friction) {
   scenario.impact_views.push_back({.normal = plane.normal});
 }
 
+void put_contacts(Mechanism& mechanism, const Description& said) {
+  for (const PlaneTable& plane : said.planes) {
+    mechanism.obstacles.push_back({HalfSpace{plane.normal, dot(plane.normal, plane.point_m)}, plane.name});
+  }
+  for (const ContactTable& table : said.contacts) {
+    Contact contact{.restitution = table.restitution};
+    if (table.friction) contact.friction = Friction{*table.friction, FrictionModel::pyramid};
+    if (!table.between.empty()) {
+      contact.first = table.between[0];
+      contact.second = table.between[1];
+    }
+    mechanism.contacts.push_back(contact);
+  }
+}
+
 }  // namespace
 
 HalfSpace sloping(double slope_rad) { return {{std::sin(slope_rad), 0, std::cos(slope_rad)}, 0}; }
@@ -108,6 +123,7 @@ void put_bodies(Scenario& scenario, const Description& description) {
   for (const JointTable& table : description.joints) {
     scenario.mechanism.joints.push_back(joint_of_tree(description, table));
   }
+  put_contacts(scenario.mechanism, description);
   if (description.ground) put_ground(scenario, *description.ground, description.problem->friction);
 }
 

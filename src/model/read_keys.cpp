@@ -93,7 +93,9 @@ KeyValue value_of(const Draft& draft, const KeyRow& row, const toml::node& node,
     }
     for (std::size_t i = 0; i < list->size(); ++i) {
       const std::string element = fmt::format("{}.{}", path, i);
-      if (row.kind == KeyKind::numbers) {
+      if (row.kind == KeyKind::names) {
+        value.words.push_back(name_of(draft, row, (*list)[i], element));
+      } else if (row.kind == KeyKind::numbers) {
         value.numbers.push_back(number_of(draft, row, (*list)[i], element));
       } else {
         value.words.push_back(word_of(draft, row, (*list)[i], element));
@@ -121,6 +123,8 @@ void add_to(Draft& draft, std::string_view section) {
   if (section == "springs") said.springs.emplace_back();
   if (section == "torques") said.torques.emplace_back();
   if (section == "controllers") said.controllers.emplace_back().load.sampled = true;
+  if (section == "planes") said.planes.emplace_back();
+  if (section == "contacts") said.contacts.emplace_back();
   if (section == "tolerances") draft.scenario.tolerances.emplace_back();
 }
 

@@ -67,6 +67,7 @@ constexpr auto numbers = KeyKind::numbers;
 constexpr auto word = KeyKind::word;
 constexpr auto words = KeyKind::words;
 constexpr auto label = KeyKind::name;
+constexpr auto labels = KeyKind::names;
 
 // The ranges are generous, yet keep every quantity ODE forms before its first step a normal number in single precision:
 // the least moment of inertia is 1e-6 (1e-4)^2 / 6 = 2e-15 kg m^2, 1/h^2 is at most 1e14. At all their corners ODE
@@ -204,6 +205,20 @@ constexpr KeyRow rows[] = {
   {"controllers", "values",   numbers, "rad or m",           -1e4, 1e4, false, nullptr, "none", "at these times; straight lines between them, the first and the last beyond",
       [](D& d, S&, const V& v) { d.controllers.back().load.target.values = v.numbers; }},
 
+  {"planes", "name",     label,   "",  0, 0,      false, nullptr, "", "by which [[contacts]] know it",
+      [](D& d, S&, const V& v) { d.planes.back().name = v.word; }},
+  {"planes", "normal",   numbers, "",  -1e3, 1e3, false, nullptr, "[0, 0, 1]", "away from what is solid",
+      [](D& d, S&, const V& v) { d.planes.back().normal = vector(v); }, 3},
+  {"planes", "point",    numbers, "m", -1e4, 1e4, false, nullptr, "0", "of the plane",
+      [](D& d, S&, const V& v) { d.planes.back().point_m = vector(v); }, 3},
+
+  {"contacts", "between",     labels, "",  0, 0,   false, nullptr, "all that no joint connects", "names of two that touch, bodies or planes",
+      [](D& d, S&, const V& v) { d.contacts.back().between = v.words; }, 2},
+  {"contacts", "restitution", number, "",  0, 1,   false, nullptr, "0", "speed after an impact over speed before",
+      [](D& d, S&, const V& v) { d.contacts.back().restitution = v.number; }},
+  {"contacts", "friction",    number, "",  0, 1e9, false, nullptr, "none", "coefficient of friction",
+      [](D& d, S&, const V& v) { d.contacts.back().friction = v.number; }},
+
   {"ground", "slope",       number, "rad", -1.5, 1.5, false, nullptr, "0", "how steeply the ground falls towards +x",
       [](D& d, S&, const V& v) { d.ground->slope_rad = v.number; }},
   {"ground", "restitution", number, "",    0, 1,      false, nullptr, "0", "speed after an impact over speed before",
@@ -269,10 +284,10 @@ constexpr KeyRow rows[] = {
 };
 // clang-format on
 
-constexpr SectionRow sections[] = {{"links", true},         {"wall", false},   {"bodies", true},  {"joints", true},
-                                   {"joints.motor", false}, {"springs", true}, {"torques", true}, {"controllers", true},
-                                   {"ground", false},       {"joint", false},  {"ode", false},    {"maximal", false},
-                                   {"tolerances", true}};
+constexpr SectionRow sections[] = {
+    {"links", true},   {"wall", false},   {"bodies", true},      {"joints", true},   {"joints.motor", false},
+    {"springs", true}, {"torques", true}, {"controllers", true}, {"planes", true},   {"contacts", true},
+    {"ground", false}, {"joint", false},  {"ode", false},        {"maximal", false}, {"tolerances", true}};
 
 }  // namespace
 
@@ -306,6 +321,8 @@ std::string rule_of(const KeyRow& row, const Names& names) {
     case KeyKind::numbers:
       return fmt::format("must be a list of {}numbers {}{}", row.count == 0 ? "" : fmt::format("{} ", row.count), range,
                          unit);
+    case KeyKind::names:
+      return fmt::format("must be a list of {} names", row.count);
     case KeyKind::name:
       return "must be a name of at most 40 letters, digits, '_' and '-'";
     case KeyKind::word:

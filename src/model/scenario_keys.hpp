@@ -23,7 +23,7 @@ struct KeyValue {
   std::vector<std::string> words;
 };
 
-enum class KeyKind { number, whole, numbers, word, words, name };
+enum class KeyKind { number, whole, numbers, word, words, name, names };
 
 struct KeyRow {
   std::string_view section;  // "" for the top of the file, or the name of a table
@@ -37,7 +37,7 @@ struct KeyRow {
   std::string_view fallback;                          // what holds without the key; empty: the key must be there
   std::string_view meaning;
   void (*put)(Description&, Scenario&, const KeyValue&);  // for a list of tables: into its last element
-  std::size_t count = 0;                                  // of a list's numbers; 0: the problem's own
+  std::size_t count = 0;                                  // of a list's numbers or names; 0: the problem's own
 
   bool required() const { return fallback.empty(); }
 };

@@ -321,6 +321,55 @@ void bad_drives() {
   refused(box + "[[springs]]\njoint = \"joint1\"\n", "springs has no meaning for free_box; remove it");
 }
 
+// ---- What may touch
+
+const std::string touching = driven + R"([[planes]]
+name = "wall"
+normal = [3, 0, 4]
+point = [1, 2, 3]
+[[contacts]]
+between = ["wall", "ball"]
+restitution = 0.5
+[[contacts]]
+friction = 0.3
+)";
+
+void what_touches() {
+  const Scenario scenario = read(touching);
+  const Mechanism& mechanism = scenario.mechanism;
+  const auto& plane = std::get<HalfSpace>(mechanism.obstacles.at(0).shape);
+  CHECK_EQUAL(mechanism.obstacles.at(0).name, "wall");
+  CHECK_NEAR(distance(plane.normal, {0.6, 0, 0.8}), 0, 1e-15);
+  CHECK_NEAR(plane.offset_m, 3, 1e-15);
+  const Contact& first = mechanism.contacts.at(0);
+  CHECK(first.first == "wall" && first.second == "ball" && first.restitution == 0.5 && !first.friction);
+  const Contact& any = mechanism.contacts.at(1);
+  CHECK(any.first.empty() && any.second.empty() && any.restitution == 0 && any.friction->limit == 0.3);
+  for (const char* key : {"planes.0.name", "planes.0.normal", "planes.0.point", "contacts.0.between.0",
+                          "contacts.0.between.1", "contacts.0.restitution", "contacts.1.friction"}) {
+    CHECK(std::ranges::any_of(scenario.definition, [&](const auto& setting) { return setting.first == key; }));
+  }
+}
+
+void bad_contacts() {
+  const auto wrong = [](const char* what, const char* with, const char* message) {
+    refused(replaced(touching, what, with), message);
+  };
+  wrong("normal = [3, 0, 4]", "normal = [0, 0, 0]", "planes.0.normal = [0, 0, 0]: must have a direction");
+  wrong("name = \"wall\"", "name = \"ball\"", "planes.0.name = ball: is the name of something else as well");
+  wrong("name = \"wall\"\n", "", "planes.0.name is missing");
+  wrong("[\"wall\", \"ball\"]", "[\"wall\", \"bell\"]",
+        "contacts.0.between.1 = bell: is the name of no body and no plane (nearest: 'ball')");
+  wrong("[\"wall\", \"ball\"]", "[\"wall\"]", "contacts.0.between = ['wall']: must be a list of 2 names");
+  wrong("[\"wall\", \"ball\"]", "[\"wall\", \"wall\"]", "contacts.0.between = [wall, wall]: must be two");
+  wrong("[\"wall\", \"ball\"]", "[\"table\", \"forearm\"]",
+        "contacts.0.between = [table, forearm]: hang together by joint 'joint2'");
+  wrong("restitution = 0.5", "restitution = 1.5", "contacts.0.restitution = 1.5: must be a number from 0 to 1");
+  refused(driven + "[[planes]]\nname = \"wall\"\n", "planes have a meaning only where [[contacts]] say what touches");
+  const std::string box = "problem = \"free_box\"\nduration = 1\n[[bodies]]\nmass = 1\nsize = [1, 1, 1]\n";
+  refused(box + "[[contacts]]\nrestitution = 0.5\n", "contacts has no meaning for free_box; remove it");
+}
+
 // What a mechanism says has no meaning elsewhere.
 void no_mechanism() {
   const std::string box = "problem = \"free_box\"\nduration = 1\n[[bodies]]\nmass = 1\nsize = [1, 1, 1]\n";
@@ -353,6 +402,8 @@ int main() {
   what_acts_on_joints();
   a_signal_over_time();
   bad_drives();
+  what_touches();
+  bad_contacts();
   no_mechanism();
   settings_reach_in();
   return test::verdict();

@@ -1,0 +1,114 @@
+#include "reference/tree/contact_points.hpp"
+
+#include <algorithm>
+
+namespace odeval::reference {
+namespace {
+
+const Contact* contact_between(const Mechanism& mechanism, const std::string& a, const std::string& b) {
+  const auto found =
+      std::ranges::find_if(mechanism.contacts, [&](const Contact& contact) { return contact.is_between(a, b); });
+  return found == mechanism.contacts.end() ? nullptr : &*found;
+}
+
+bool connected(const Mechanism& mechanism, std::size_t a, std::size_t b) {
+  return std::ranges::any_of(mechanism.joints, [&](const Joint& joint) {
+    return (joint.first == a && joint.second == b) || (joint.first == b && joint.second == a);
+  });
+}
+
+void add_corners(std::vector<ContactPoint>& points, const Box& box, ContactPoint point) {
+  for (const double x : {-0.5, 0.5}) {
+    for (const double y : {-0.5, 0.5}) {
+      for (const double z : {-0.5, 0.5}) {
+        point.corner_m = {x * box.sides_m[0], y * box.sides_m[1], z * box.sides_m[2]};
+        points.push_back(point);
+      }
+    }
+  }
+}
+
+double radius_of(const Shape& shape) {
+  const auto* const ball = std::get_if<Sphere>(&shape);
+  return ball == nullptr ? 0 : ball->diameter_m / 2;
+}
+
+/// False where they may touch in a way that is not followed.
+bool add_plane(std::vector<ContactPoint>& points, const Mechanism& mechanism, std::size_t i, const Obstacle& obstacle) {
+  const Body& body = mechanism.bodies[i];
+  const Contact* const contact = contact_between(mechanism, body.name, obstacle.name);
+  if (contact == nullptr) return true;
+  const auto* const plane = std::get_if<HalfSpace>(&obstacle.shape);
+  if (plane == nullptr) return false;
+  const ContactPoint point{.body = i,
+                           .radius_m = radius_of(body.shape),
+                           .plane = *plane,
+                           .other = {},
+                           .restitution = contact->restitution};
+  if (const auto* const box = std::get_if<Box>(&body.shape)) {
+    add_corners(points, *box, point);
+  } else {
+    points.push_back(point);
+  }
+  return true;
+}
+
+/// Likewise.
+bool add_pair(std::vector<ContactPoint>& points, const Mechanism& mechanism, std::size_t i, std::size_t j) {
+  const Body& first = mechanism.bodies[i];
+  const Body& second = mechanism.bodies[j];
+  const Contact* const contact = contact_between(mechanism, first.name, second.name);
+  if (contact == nullptr || connected(mechanism, i, j)) return true;
+  if (!is_sphere(first.shape) || !is_sphere(second.shape)) return false;
+  points.push_back({.body = i,
+                    .radius_m = radius_of(first.shape),
+                    .other = j,
+                    .other_radius_m = radius_of(second.shape),
+                    .restitution = contact->restitution});
+  return true;
+}
+
+}  // namespace
+
+Meeting meeting(const ContactPoint& point, const std::vector<Placed>& bodies) {
+  const Placed& body = bodies[point.body];
+  const Vec3 arm = turned(body.rotation, point.corner_m);
+  const Vec3 place = body.position_m + arm;
+  const auto velocity = [](const Placed& of, const Vec3& at) {
+    return of.velocity_m_s + cross(of.spin_rad_s, at - of.position_m);
+  };
+  Meeting now;
+  if (!point.other) {
+    now.normal = point.plane.normal;
+    now.apart_m = dot(now.normal, place) - point.plane.offset_m - point.radius_m;
+    now.point_m = place - point.radius_m * now.normal;
+    now.rate_m_s = dot(now.normal, velocity(body, now.point_m));
+    return now;
+  }
+  const Placed& other = bodies[*point.other];
+  const Vec3 between = place - other.position_m;
+  now.normal = unit(between);
+  now.apart_m = length(between) - point.radius_m - point.other_radius_m;
+  now.point_m = other.position_m + point.other_radius_m * now.normal;
+  now.rate_m_s = dot(now.normal, velocity(body, now.point_m) - velocity(other, now.point_m));
+  return now;
+}
+
+std::optional<std::vector<ContactPoint>> contact_points(const Mechanism& mechanism) {
+  std::vector<ContactPoint> points;
+  if (mechanism.contacts.empty()) return points;
+  if (std::ranges::any_of(mechanism.contacts, [](const Contact& contact) { return contact.friction.has_value(); })) {
+    return std::nullopt;
+  }
+  for (std::size_t i = 0; i < mechanism.bodies.size(); ++i) {
+    for (const Obstacle& obstacle : mechanism.obstacles) {
+      if (!add_plane(points, mechanism, i, obstacle)) return std::nullopt;
+    }
+    for (std::size_t j = i + 1; j < mechanism.bodies.size(); ++j) {
+      if (!add_pair(points, mechanism, i, j)) return std::nullopt;
+    }
+  }
+  return points;
+}
+
+}  // namespace odeval::reference

@@ -1,0 +1,149 @@
+// Bodies of a mechanism that strike planes and each other: the reference beside the references that know of one impact
+// at a time, and what it does not follow.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "catalogue/confirmation.hpp"
+#include "catalogue/paths.hpp"
+#include "model/find_scenario.hpp"
+#include "model/read_scenario.hpp"
+#include "odeval/error.hpp"
+#include "reference/planar/reference_solution.hpp"
+#include "reference/tree/contact_points.hpp"
+#include "reference/tree/tree_reference.hpp"
+#include "tests/check.hpp"
+#include "tests/scenarios.hpp"
+
+namespace {
+
+using namespace odeval;
+
+template <std::size_t N>
+std::array<double, N> row(const std::array<Column, N>& columns, std::size_t k) {
+  std::array<double, N> values;
+  for (std::size_t i = 0; i < N; ++i) values[i] = columns[i][k];
+  return values;
+}
+
+/// A ball that slides along a vertical rail and falls onto a floor, through which the rail goes.
+Scenario ball_on_rail(double restitution) {
+  Scenario scenario;
+  scenario.name = scenario.file = "ball";
+  scenario.duration_s = 3;
+  scenario.mechanism.bodies = {
+      Body{.shape = Sphere{0.2}, .mass_kg = 2, .position_m = {0, 0, 1.1}, .name = "ball"}};
+  scenario.mechanism.joints = {{.kind = SliderJoint{{0, 0, 0}, {0, 0, 1}}, .second = {}}};
+  scenario.mechanism.obstacles = {{HalfSpace{}, "floor"}};
+  scenario.mechanism.contacts = {{.restitution = restitution}};
+  return scenario;
+}
+
+// Falls 1 m, bounces with 0.8 of its speed: parabolas one after the other.
+void a_ball_on_a_floor() {
+  const Scenario scenario = ball_on_rail(0.8);
+  const SampleGrid grid{0.01, 1, 301};
+  const Reference reference = reference::solve_tree(scenario, grid);
+  const double g = scenario.gravity;
+  double begin = 0, height = 1, speed = 0;
+  double worst = 0, part = 0;
+  for (std::size_t k = 0; k < 301; ++k) {
+    const double t = grid.time(static_cast<long>(k));
+    for (;;) {
+      const double lands = (speed + std::sqrt(speed * speed + 2 * g * height)) / g;
+      if (t < begin + lands) break;
+      begin += lands;
+      speed = 0.8 * (g * lands - speed);
+      height = 0;
+    }
+    const double since = t - begin;
+    const double wanted = 0.1 + height + speed * since - g / 2 * since * since;
+    const double off = std::fabs(reference.trace.bodies[0].position[2][k] - wanted);
+    worst = std::fmax(worst, off);
+    part = std::fmax(part, off / (reference.uncertainty_position[k] + 1e-15));
+  }
+  std::printf("ball: %.3g m off, %.3g of what is stated\n", worst, part);
+  CHECK_BETWEEN(worst, 0, 1e-9);
+  CHECK_BETWEEN(part, 0, 1);
+}
+
+// The report's box that swings against a wall, whose two lower corners strike at once.
+void the_wall_pendulum() {
+  const Scenario planar = test::report_scenario("wall_pendulum", 3, 1e-3);
+  Scenario space = planar;
+  space.planar.reset();
+  space.mechanism.obstacles = {{HalfSpace{{1, 0, 0}, planar.planar->wall->face_m}, "wall"}};
+  const SampleGrid grid{0.01, 1, 301};
+  const Reference wanted = reference::solve_reference(planar, grid);
+  const Reference tree = reference::solve_tree(space, grid);
+  CHECK(wanted.impacts.size() >= 2);  // else nothing is compared
+  const PlanarFrame& frame = planar.planar->frame;
+  double worst = 0, part = 0;
+  for (std::size_t k = 0; k < tree.trace.rows(); ++k) {
+    const Vec3 along = turned(row(tree.trace.bodies[0].rotation, k), frame.along_body);
+    const double angle = std::atan2(dot(along, frame.up), dot(along, frame.horizontal));
+    const double off = std::fabs(std::remainder(angle - wanted.trace.q[0][k], 2 * std::numbers::pi));
+    worst = std::fmax(worst, off);
+    part = std::fmax(part, off / (tree.uncertainty_turn[k] + wanted.uncertainty_q[k]));
+  }
+  std::printf("wall: %zu impacts, %.3g rad apart, %.3g of what both state\n", wanted.impacts.size(), worst, part);
+  CHECK_BETWEEN(worst, 0, 1e-9);
+  CHECK_BETWEEN(part, 0, 1);
+}
+
+Scenario cradle() {
+  Names names{catalogue::method_names(), {}};
+  for (const Quantity& quantity : quantities) names.metrics.emplace_back(quantity.name);
+  return read_scenario(find_scenario("newtons_cradle", catalogue::scenario_folder()), {}, names);
+}
+
+// What the first ball had the last one has; a second formulation says so as well.
+void a_cradle() {
+  Scenario scenario = cradle();
+  scenario.duration_s = 0.8;
+  scenario.step_s = 2e-3;
+  catalogue::Evaluator evaluator(scenario);
+  const Reference& reference = evaluator.reference();
+  std::printf("cradle: %s\n", reference.origin.c_str());
+  // The bob's way down is 1 - cos 0.4 = 0.0789 m, less the sinking of the others, 2 mm aside, by 2e-6 m.
+  double highest = 0;
+  for (std::size_t k = 0; k < reference.trace.rows(); ++k) {
+    highest = std::fmax(highest, reference.trace.bodies[4].position[2][k]);
+  }
+  const double until_here = reference.trace.bodies[4].position[2].back();
+  CHECK_NEAR(reference.trace.bodies[0].position[2].back(), 0, 1e-5);
+  CHECK(until_here > 0.04 && highest <= 1 - std::cos(0.4) + 1e-9);
+  const catalogue::Evaluation run = evaluator.evaluate(catalogue::find_method("mechanism-cvode"));
+  CHECK_BETWEEN(*evaluator.measure(run, 0.8)[quantity::max_energy_drift], 0, 1e-11);  // J of 0.387
+  CHECK(reference.origin.find("second formulation") != std::string::npos);
+  CHECK_BETWEEN(reference.uncertainty_position.back(), 0, 1e-8);
+}
+
+void what_is_not_followed() {
+  Scenario scenario = ball_on_rail(0.5);
+  const SampleGrid grid{0.01, 1, 301};
+  CHECK_THROWS(reference::solve_tree(scenario, grid), UserError,
+               "body 'ball' comes to rest on what it touches: the reference knows of impacts and not of rest");
+  scenario.mechanism.bodies[0].position_m[2] = 0.05;
+  CHECK_THROWS(reference::solve_tree(scenario, grid), UserError, "at t = 0 body 'ball' lies 0.05 m inside");
+  // Boxes with each other, and anything that rubs.
+  CHECK(reference::is_tree(ball_on_rail(0.5)));
+  scenario = ball_on_rail(0.5);
+  scenario.mechanism.contacts[0].friction = Friction{0.1};
+  CHECK(!reference::is_tree(scenario));
+  scenario = ball_on_rail(0.5);
+  scenario.mechanism.bodies.push_back({.shape = Box{{1, 1, 1}}, .mass_kg = 1, .position_m = {5, 0, 5}, .name = "box"});
+  CHECK(!reference::is_tree(scenario));
+  scenario.mechanism.contacts[0] = {.restitution = 0.5, .first = "ball", .second = "floor"};
+  CHECK(reference::is_tree(scenario));
+}
+
+}  // namespace
+
+int main() {
+  a_ball_on_a_floor();
+  the_wall_pendulum();
+  a_cradle();
+  what_is_not_followed();
+  return test::verdict();
+}
