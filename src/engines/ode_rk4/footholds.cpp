@@ -82,7 +82,7 @@ Vector3d in_frame_point(const State& state, std::size_t body, const Vector3d& po
 /// One more equation for a joint that lies against a stop.
 Joint lock(const Contact& contact, const State& state) {
   const auto [a, b] = std::pair(contact.a, contact.b);
-  Joint joint{nullptr, a, b, {}, {}, {}, {}, {}, {}, {}};
+  Joint joint{nullptr, a, b, {}, {}, {}, {}, {}, {}, {}, {}};
   const Vector3d& n = contact.normal;
   const double deeper = std::clamp(contact.depth, least_depth, rest_depth) - contact.depth;
   if (contact.turns) {
