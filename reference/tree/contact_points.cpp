@@ -40,11 +40,8 @@ bool add_plane(std::vector<ContactPoint>& points, const Mechanism& mechanism, st
   if (contact == nullptr) return true;
   const auto* const plane = std::get_if<HalfSpace>(&obstacle.shape);
   if (plane == nullptr) return false;
-  const ContactPoint point{.body = i,
-                           .radius_m = radius_of(body.shape),
-                           .plane = *plane,
-                           .other = {},
-                           .restitution = contact->restitution};
+  const ContactPoint point{
+      .body = i, .radius_m = radius_of(body.shape), .plane = *plane, .other = {}, .restitution = contact->restitution};
   if (const auto* const box = std::get_if<Box>(&body.shape)) {
     add_corners(points, *box, point);
   } else {

@@ -15,8 +15,8 @@ void settle_plane(Draft& draft, std::size_t number) {
   if (plane.normal == Vec3{}) draft.fail(path + ".normal", "[0, 0, 0]", "must have a direction");
   plane.normal = unit(plane.normal);
   const auto same = [&](const PlaneTable& other) { return other.name == plane.name; };
-  const bool twice = std::ranges::find_if(draft.said.planes, same) - draft.said.planes.begin() !=
-                     static_cast<std::ptrdiff_t>(number);
+  const bool twice =
+      std::ranges::find_if(draft.said.planes, same) - draft.said.planes.begin() != static_cast<std::ptrdiff_t>(number);
   if (twice || draft.said.body_named(plane.name) || plane.name == world_name) {
     draft.fail(path + ".name", plane.name, "is the name of something else as well");
   }

@@ -31,8 +31,7 @@ Scenario ball_on_rail(double restitution) {
   Scenario scenario;
   scenario.name = scenario.file = "ball";
   scenario.duration_s = 3;
-  scenario.mechanism.bodies = {
-      Body{.shape = Sphere{0.2}, .mass_kg = 2, .position_m = {0, 0, 1.1}, .name = "ball"}};
+  scenario.mechanism.bodies = {Body{.shape = Sphere{0.2}, .mass_kg = 2, .position_m = {0, 0, 1.1}, .name = "ball"}};
   scenario.mechanism.joints = {{.kind = SliderJoint{{0, 0, 0}, {0, 0, 1}}, .second = {}}};
   scenario.mechanism.obstacles = {{HalfSpace{}, "floor"}};
   scenario.mechanism.contacts = {{.restitution = restitution}};
