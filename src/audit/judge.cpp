@@ -240,6 +240,15 @@ class Judge {
   }
   Estimate turn(const Spread& spread) const { return spread.error(0, unseen_rad_, chaos_.rounding_m()); }
 
+  /// With what its own bends hide: an impact that it has no part in hides nothing of it.
+  BodyError of_body(double t, std::uint32_t body, const Errors& errors) const {
+    const Path& path = paths_.at(body);
+    const int finest = records_.refinements.back();
+    const double rounding = chaos_.rounding_m();
+    return {t, body + 1, errors.distance.error(0, path.velocity.unseen(finest), rounding),
+            errors.turn.error(0, path.spin.unseen(finest), rounding)};
+  }
+
   void report(double t) {
     ErrorUntil row;
     row.t_s = t;
@@ -254,7 +263,7 @@ class Judge {
     row.order = (rather_turned ? all_.turn : all_.distance).order();
     double largest = -1;
     for (const auto& [body, errors] : of_body_) {
-      const BodyError its{t, body + 1, distance(errors.distance), turn(errors.turn)};
+      const BodyError its = of_body(t, body, errors);
       answer_.error_of_body.push_back(its);
       const double size = larger_of(rather_turned ? its.turn_rad : its.distance_m);
       if (size < largest || (size == largest && its.body > row.body)) continue;
@@ -438,6 +447,26 @@ std::vector<JointSummary> read_summaries(const std::filesystem::path& record) {
   return all;
 }
 
+/// How much there is of what, in all worlds together.
+class Counts {
+ public:
+  /// Raises the most at a time to what there is now.
+  void add(const Frame& frame, Answer& answer) {
+    worlds_[frame.world] = {frame.bodies, frame.joints, frame.contacts};
+    std::array<std::uint32_t, 3> sum{};
+    for (const auto& [world, counts] : worlds_) {
+      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += counts[i];
+    }
+    answer.worlds = static_cast<std::uint32_t>(worlds_.size());
+    answer.bodies = std::max(answer.bodies, sum[0]);
+    answer.joints = std::max(answer.joints, sum[1]);
+    answer.contacts = std::max(answer.contacts, sum[2]);
+  }
+
+ private:
+  std::map<std::uint32_t, std::array<std::uint32_t, 3>> worlds_;
+};
+
 /// Of all worlds, at the time of the frame, and its gap.
 EnergyPoint sum_of(const std::map<std::uint32_t, EnergyPoint>& worlds, const Frame& frame) {
   EnergyPoint sum{.t_s = frame.t, .gap_m = frame.gap, .depth_m = frame.depth};
@@ -490,6 +519,7 @@ void describe(const std::filesystem::path& unchanged, Answer& answer) {
   }
   bool quick = false;
   bool plain = false;
+  Counts counts;
   std::map<std::uint32_t, EnergyPoint> worlds;  // as they were last
   Thinned<EnergyPoint> curve;
   for (auto moment = run.next(); moment; moment = run.next()) {
@@ -505,9 +535,7 @@ void describe(const std::filesystem::path& unchanged, Answer& answer) {
     if (answer.h_s == 0) answer.h_s = frame.h;
     answer.h_varies = answer.h_varies || frame.h != answer.h_s;
     (frame.quick != 0 ? quick : plain) = true;
-    answer.bodies = std::max(answer.bodies, frame.bodies);
-    answer.joints = std::max(answer.joints, frame.joints);
-    answer.contacts = std::max(answer.contacts, frame.contacts);
+    counts.add(frame, answer);
     answer.depth_m = std::max(answer.depth_m, frame.depth);
     answer.ode_s += frame.ode_s;
     if (frame.gap > answer.gap.largest_m) answer.gap = {frame.gap, frame.t, frame.gap_joint + 1};

@@ -1,5 +1,6 @@
 // odeval judge: a trace of one's own beside a scenario's reference, or beside the same run at half the step.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -41,11 +42,28 @@ double spacing(const Column& t, const std::string& name) {
   return dt;
 }
 
+/// Numbers of which every one is finite.
+CsvColumns read_numbers(const std::string& file) {
+  CsvColumns columns = read_csv(file);
+  for (std::size_t row = 0; row < (columns.columns.empty() ? 0 : columns.columns.front().size()); ++row) {
+    for (std::size_t i = 0; i < columns.header.size(); ++i) {
+      if (std::isfinite(columns.columns[i][row])) continue;
+      throw UserError(fmt::format("{}:{}: {} = {} must be a finite number", file, row + 2, columns.header[i],
+                                  number_text(columns.columns[i][row])));
+    }
+  }
+  return columns;
+}
+
 Trace read_trace(const std::string& file) {
-  const CsvColumns columns = read_csv(file);
+  const CsvColumns columns = read_numbers(file);
+  std::vector<std::string> unknown;
   for (const std::string& cell : columns.header) {
-    if (trace_column_of(cell) == nullptr)
-      std::cerr << "odeval: " << file << ": column '" << cell << "' is left out; no trace has it\n";
+    if (trace_column_of(cell) == nullptr) unknown.push_back("'" + cell + "'");
+  }
+  if (!unknown.empty()) {
+    std::cerr << fmt::format("odeval: {}: no trace has {} {}: left out\n", file,
+                             unknown.size() == 1 ? "a column" : "the columns", fmt::join(unknown, ", "));
   }
   return trace_of(columns);
 }
@@ -81,8 +99,8 @@ int beside_reference(const Options& options) {
 }
 
 int beside_half_the_step(const Options& options) {
-  const CsvColumns whole = read_csv(options.trace);
-  const CsvColumns half = read_csv(options.against);
+  const CsvColumns whole = read_numbers(options.trace);
+  const CsvColumns half = read_numbers(options.against);
   const double dt = spacing(trace_of(whole).t, options.trace);
   const double finer = spacing(trace_of(half).t, options.against);
   const double ratio = dt / finer;

@@ -43,10 +43,11 @@ std::string joint_name(const Answer& answer, std::uint32_t joint) { return calle
 
 std::string audit_head(const Answer& answer) {
   const audit::ProgramRun& run = answer.runs.front();
-  std::string line =
-      fmt::format("{}, h = {:.4g} s{}, {}, {:.4g} s; {}, {}; {}", answer.stepper, answer.h_s,
-                  answer.h_varies ? " at first" : "", count(run.steps, "step", "steps"), run.simulated_s,
-                  count(answer.bodies, "body", "bodies"), count(answer.joints, "joint", "joints"), run.end);
+  std::string line = fmt::format(
+      "{}, h = {:.4g} s{}, {}, {:.4g} s; {}, {}; {}", answer.stepper, answer.h_s, answer.h_varies ? " at first" : "",
+      count(run.steps, "step", "steps") + (answer.worlds > 1 ? " at most" : ""), run.simulated_s,
+      (answer.worlds > 1 ? fmt::format("{} worlds, ", answer.worlds) : "") + count(answer.bodies, "body", "bodies"),
+      count(answer.joints, "joint", "joints"), run.end);
   if (answer.runs.size() > 1) line += answer.parting ? "; does not repeat" : "; repeats to the bit";
   return line;
 }

@@ -167,6 +167,12 @@ void go_wrong() {
     dWorldDestroy(world);
     make();
   }
+  if (is("second-world")) {
+    dWorldID second = dWorldCreate();
+    dBodyCreate(second);
+    dBodyCreate(second);
+    dWorldStep(second, 0.001);
+  }
   if (is("chdir") && ::chdir("/") != 0) std::abort();
   if (is("environment")) ::clearenv();
 }

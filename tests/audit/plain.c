@@ -149,6 +149,17 @@ static void damped(void) {
   dBodySetLinearVel(bodies[0], 1, 0, 0);
 }
 
+/* A ball that damping brings to rest: its velocity is averaged over 10 ms, and at rest for 50 ms it is put to sleep. */
+static void sleeper(void) {
+  damped();
+  dWorldSetGravity(world, 0, 0, 0);
+  dBodySetAutoDisableFlag(bodies[0], 1);
+  dBodySetAutoDisableLinearThreshold(bodies[0], 0.5);
+  dBodySetAutoDisableTime(bodies[0], 0);
+  dBodySetAutoDisableSteps(bodies[0], (int)lround(0.05 / h));
+  dBodySetAutoDisableAverageSamplesCount(bodies[0], (unsigned)lround(0.01 / h));
+}
+
 static dJointID elbow;
 static void hold_the_arm(void) {
   dJointAddHingeTorque(elbow, -20 * dJointGetHingeAngle(elbow) - 2 * dJointGetHingeAngleRate(elbow));
@@ -196,6 +207,7 @@ static const struct {
     {"soft_stop", soft_stop, 0},
     {"soft_contact", soft_contact, 1},
     {"damped", damped, 0},
+    {"sleeper", sleeper, 0},
 };
 
 static void write_poses(FILE* poses) {

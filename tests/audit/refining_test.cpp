@@ -78,7 +78,7 @@ void parts_are_steps() {
 // Their ERP, CFM and damping are made from a spring, a damper and a drag at the step of the program. What a conversion
 // rounds by is 1e-16 of 1e-3 to 1 m; held as numbers they are off by 2 cm and more.
 void springs_are_held() {
-  for (const char* scenario : {"spring", "soft_stop", "soft_contact", "damped"}) {
+  for (const char* scenario : {"spring", "soft_stop", "soft_contact", "damped", "sleeper"}) {
     const std::vector<Pose> halves = every_second(run("", scenario, 5e-4), 1);
     const std::string twice = loaded + "ODEVAL_AUDIT_REFINE=2 ";
     CHECK_BETWEEN(largest_distance(halves, run(twice, scenario, 1e-3)), 0, 1e-12);

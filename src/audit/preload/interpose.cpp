@@ -120,6 +120,23 @@ void ODEVAL_BEFORE(dSpaceDestroy)(dSpaceID space) {
   ODEVAL_OWN(dSpaceDestroy)(space);
 }
 
+// Samples of a velocity that is averaged before a body comes to rest are one a step: as many more as there are parts.
+void ODEVAL_BEFORE(dBodySetAutoDisableAverageSamplesCount)(dBodyID body, unsigned count) {
+  ODEVAL_OWN(dBodySetAutoDisableAverageSamplesCount)(body, Session::get().samples(count));
+}
+
+int ODEVAL_BEFORE(dBodyGetAutoDisableAverageSamplesCount)(dBodyID body) {
+  return Session::get().program_samples(ODEVAL_OWN(dBodyGetAutoDisableAverageSamplesCount)(body));
+}
+
+void ODEVAL_BEFORE(dWorldSetAutoDisableAverageSamplesCount)(dWorldID world, unsigned count) {
+  ODEVAL_OWN(dWorldSetAutoDisableAverageSamplesCount)(world, Session::get().samples(count));
+}
+
+int ODEVAL_BEFORE(dWorldGetAutoDisableAverageSamplesCount)(dWorldID world) {
+  return Session::get().program_samples(ODEVAL_OWN(dWorldGetAutoDisableAverageSamplesCount)(world));
+}
+
 // Of odeval_name.h.
 void odeval_audit_name_body(dBodyID body, const char* name) {
   Session& session = Session::get();

@@ -22,11 +22,11 @@ void ask_no_more(dJointID joint, const dJointFeedback& own) {
   if (dJointGetFeedback(joint) == &own) dJointSetFeedback(joint, nullptr);
 }
 
-/// The body's velocity as the step left it, before it was damped: by a factor, where it was above a threshold.
-double undamped(const dReal* after, double scale, double threshold) {
+/// The factor that takes a velocity back to what it was before it was damped, where it was above a threshold.
+double undamped(const dReal* after, double scale, dReal (*threshold)(dBodyID), dBodyID body) {
   if (scale == 0 || scale == 1) return 1;
   const double before = length(after) / (1 - scale);
-  return before > threshold ? 1 / (1 - scale) : 1;
+  return before > threshold(body) ? 1 / (1 - scale) : 1;
 }
 
 /// Energy of a body's velocity and spin by these factors of them, beyond what it has.
@@ -54,13 +54,13 @@ void keep_velocities(Body& body) {
 /// Work of the added forces, and the mean velocities; what damping took.
 void take_body(World& world, Body& body, dReal h) {
   if (!body.moves) return;
-  const double linear =
-      undamped(dBodyGetLinearVel(body.id), dBodyGetLinearDamping(body.id), dBodyGetLinearDampingThreshold(body.id));
-  const double angular =
-      undamped(dBodyGetAngularVel(body.id), dBodyGetAngularDamping(body.id), dBodyGetAngularDampingThreshold(body.id));
+  const dReal* velocity = dBodyGetLinearVel(body.id);
+  const dReal* spin = dBodyGetAngularVel(body.id);
+  const double linear = undamped(velocity, dBodyGetLinearDamping(body.id), dBodyGetLinearDampingThreshold, body.id);
+  const double angular = undamped(spin, dBodyGetAngularDamping(body.id), dBodyGetAngularDampingThreshold, body.id);
   for (std::size_t i = 0; i < 3; ++i) {
-    body.velocity[i] = (body.velocity[i] + linear * dBodyGetLinearVel(body.id)[i]) / 2;
-    body.spin[i] = (body.spin[i] + angular * dBodyGetAngularVel(body.id)[i]) / 2;
+    body.velocity[i] = (body.velocity[i] + linear * velocity[i]) / 2;
+    body.spin[i] = (body.spin[i] + angular * spin[i]) / 2;
   }
   world.work.damping -= energy_beyond(body, linear, angular);
   world.work.added += h * (dot(body.force.data(), body.velocity.data()) + dot(body.torque.data(), body.spin.data()));

@@ -50,6 +50,12 @@ class Session {
   void name(dBodyID body, const char* name);
   void name(dJointID joint, const char* name);
 
+  /// Samples of the parts in the place of so many of steps, and back. One is no average, and stays.
+  unsigned samples(unsigned of_steps) const { return of_steps > 1 ? of_steps * parts_held() : of_steps; }
+  int program_samples(int of_parts) const {
+    return of_parts > 1 ? of_parts / static_cast<int>(parts_held()) : of_parts;
+  }
+
   /// A step by the accurate step, with no bits of ODE's in it. Ends the program where it can not.
   static int accurately(dWorldID world, dReal h);
 
@@ -57,6 +63,10 @@ class Session {
 
  private:
   Session();
+  /// Parts of a step, where numbers per step are converted; else 1.
+  unsigned parts_held() const {
+    return follows_ && settings_.hold_springs ? static_cast<unsigned>(settings_.refinement) : 1;
+  }
   void describe(const World& world);
   void first_step(World& world, dReal h, Stepper stepper, bool quick);
   /// One of ODE's, with a ledger where there is one.
