@@ -39,7 +39,7 @@ JointSpace joint_space_of(const Mechanism& mechanism, const TreeState& state, do
 /// By Simbody; nothing in a build without it. Throws MachineError when it can not be loaded.
 std::optional<JointSpace> joint_space_by_simbody(const Mechanism& mechanism, const TreeState& state, double gravity);
 /// By KDL, of the robot that a mechanism was made of; `body_of` are the numbers of its links' bodies. Of the mechanism
-/// the order of coordinates, and the places of free bodies' centres. Throws std::domain_error where KDL cannot.
+/// the order of coordinates, and the places of free bodies' centres. Throws std::domain_error where KDL gives up.
 JointSpace joint_space_by_kdl(const Robot& robot, const std::vector<std::optional<std::size_t>>& body_of,
                               const Mechanism& mechanism, const TreeState& state, double gravity);
 

@@ -119,7 +119,7 @@ class KdlTree {
         return;
       }
       case Kind::free: {  // about its centre, which the mechanism knows
-        if (joint.parent) throw std::domain_error("a free link on another is not known to KDL");
+        on = name_of({});
         const KDL::Frame centre(kdl(mechanism_.bodies[body].position_m));
         next(KDL::Joint(KDL::Joint::None), centre);
         for (const auto way : {KDL::Joint::TransX, KDL::Joint::TransY, KDL::Joint::TransZ}) {
@@ -149,14 +149,14 @@ class KdlTree {
 
   /// A body's coordinates and speeds into KDL's, and how those follow from ours.
   void put(std::size_t body, const JointCoordinates& at, Eigen::Index& ours) {
-    const auto& [first, kind, start] = coordinates_[body];
-    const auto place = static_cast<Eigen::Index>(first);
+    const Coordinate& coordinate = coordinates_[body];
+    const auto place = static_cast<Eigen::Index>(coordinate.first);
     const auto take = [&](Eigen::Index kdl, std::size_t k) {
-      q_.data[kdl] = at.q[k] + (k == 0 ? start : 0);
+      q_.data[kdl] = at.q[k] + (k == 0 ? coordinate.start : 0);
       rate_[kdl] = at.u[k];
       from_ours_(kdl, ours++) = 1;
     };
-    switch (kind) {
+    switch (coordinate.kind) {
       case Kind::hinge:
       case Kind::slider:
         take(place, 0);

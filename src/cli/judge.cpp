@@ -87,7 +87,9 @@ int beside_reference(const Options& options) {
   settings.push_back({"step", number_text(dt), options.trace});
   settings.push_back({"sample", number_text(dt), options.trace});
   settings.push_back({"duration", number_text(end), options.trace});
-  catalogue::Evaluator evaluator(read_scenario(scenario_file(options.scenario), settings, known_names()));
+  const std::filesystem::path file = scenario_file(options.scenario);
+  catalogue::Evaluator evaluator(read_scenario(file, settings, known_names(), options.settings.import_options(file)));
+  tell_of_import(file);
   const SampleGrid& grid = evaluator.grid();
   for (std::size_t row = 0; row < trace.rows(); ++row) trace.t[row] = grid.time(static_cast<long>(row));
   catalogue::ForeignTrace foreign(std::move(trace), evaluator, options.trace);

@@ -12,23 +12,24 @@
 namespace odeval::cli {
 
 void RobotFlags::attach(Flags& flags) {
-  base_flag_ = flags.add_option("--base", base_, "of a URDF file: its root link stands fixed in the world, or flies")
-                   .one_of({"fixed", "free"})
-                   .capture_default_str()
-                   .group("Robots' files");
-  meshes_flag_ = flags.add_option("--meshes", meshes_, "of a robot's file: a mesh is the box around it, or is refused")
-                     .one_of({"box", "refuse"})
-                     .capture_default_str()
-                     .group("Robots' files");
+  const auto add = [&](Choice& choice, const char* other, const char* meaning) {
+    choice.flag = flags.add_option(choice.name, choice.value, meaning);
+    choice.flag->one_of({choice.value, other}).capture_default_str().group("Robots' files");
+  };
+  add(base_, "free", "of a URDF file: its root link stands fixed in the world, or flies");
+  add(friction_, "drop", "of joints: a motor that keeps a speed of 0, which the reference has to follow, or none");
+  add(meshes_, "refuse", "a mesh is the box around it, or is refused");
 }
 
 ImportOptions RobotFlags::options(const std::filesystem::path& file) const {
-  for (const auto& [flag, name] : {std::pair{&base_flag_, "--base "}, std::pair{&meshes_flag_, "--meshes "}}) {
-    if (!*flag || !(*flag)->given() || is_robot_file(file)) continue;
-    throw UserError(name + (flag == &base_flag_ ? base_ : meshes_) + ": is for robots' files, .urdf or .sdf; " +
+  for (const Choice* choice : {&base_, &friction_, &meshes_}) {
+    if (!choice->flag || !choice->flag->given() || is_robot_file(file)) continue;
+    throw UserError(choice->name + " " + choice->value + ": is for robots' files, .urdf or .sdf; " +
                     one_line(file.string()) + " is none");
   }
-  return {.base_free = base_ == "free", .refuse_meshes = meshes_ == "refuse"};
+  return {.drop_friction = friction_.value == "drop",
+          .base_free = base_.value == "free",
+          .refuse_meshes = meshes_.value == "refuse"};
 }
 
 std::string ProvedRobot::report() const { return import_report(imported.robot, bodies, proof); }

@@ -10,7 +10,7 @@
 
 namespace odeval::cli {
 
-/// `--base` and `--meshes`.
+/// `--base`, `--friction` and `--meshes`.
 class RobotFlags {
  public:
   void attach(Flags& flags);
@@ -18,10 +18,14 @@ class RobotFlags {
   ImportOptions options(const std::filesystem::path& file) const;
 
  private:
-  std::string base_ = "fixed";
-  std::string meshes_ = "box";
-  std::optional<Flag> base_flag_;
-  std::optional<Flag> meshes_flag_;
+  struct Choice {
+    std::string name;
+    std::string value;  // the default until another is typed
+    std::optional<Flag> flag = {};
+  };
+  Choice base_{"--base", "fixed"};
+  Choice friction_{"--friction", "motor"};
+  Choice meshes_{"--meshes", "box"};
 };
 
 /// A robot whose import is proved.

@@ -152,6 +152,10 @@ class Import {
       check_number(joint, "damping", joint.damping, 0, 1e12);
       check_number(joint, "friction", joint.friction, 0, 1e9);
       check_number(joint, "spring_stiffness", joint.stiffness, 0, 1e12);
+      if (joint.friction > 0 && options_.drop_friction) {
+        robot_.remark("friction", "not taken, as --friction drop asks", joint.name);
+        joint.friction = 0;
+      }
       settle_limits(joint);
     }
     if (moving == 0) fail("has no joint that moves; one is wanted that is not fixed or floating");
@@ -407,7 +411,9 @@ void Import::write() {
     const std::string name = joint_names_.of(joint.name, "joint");
     write_joint(joints, lump.base, name);
     if (joint.friction > 0) {
-      robot_.remark("friction", "as a motor that keeps a speed of 0 by at most that much", joint.name);
+      robot_.remark("friction",
+                    "as a motor that keeps a speed of 0 by at most that much; --friction drop leaves it out",
+                    joint.name);
     }
     if (joint.damping == 0 && joint.stiffness == 0) continue;
     robot_.remark("damping and springs", "as [[springs]]", joint.name);

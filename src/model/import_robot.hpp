@@ -12,6 +12,7 @@ namespace odeval {
 
 /// What a robot's file leaves open.
 struct ImportOptions {
+  bool drop_friction = false;  // of joints; else it is a motor that keeps a speed of 0
   bool base_free = false;      // the root link flies; else it is fixed in the world
   bool refuse_meshes = false;  // else a mesh is the box around it
   bool operator==(const ImportOptions&) const = default;

@@ -7,10 +7,12 @@
 
 #include "catalogue/import_proof.hpp"
 #include "engines/ode/module.hpp"
+#include "model/mesh_box.hpp"
 #include "model/read_scenario.hpp"
 #include "model/robot_reader.hpp"
 #include "odeval/error.hpp"
 #include "tests/check.hpp"
+#include "tests/temporary_folder.hpp"
 
 using namespace odeval;
 
@@ -288,9 +290,58 @@ void turns_of_all_sizes_are_read(double angle) {
   check_near(turn, wanted, 1e-15 * 8);  // a few roundings of numbers up to 3
 }
 
+/// A box from points in each format that is read.
+void meshes_are_boxes() {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path robot = folder.path() / "pkg" / "urdf" / "r.urdf";
+  std::filesystem::create_directories(robot.parent_path());
+  const auto write = [&](const char* name, const std::string& bytes) {
+    std::ofstream(folder.path() / "pkg" / name, std::ios::binary) << bytes;
+  };
+  write("a.obj", "# points\nv 0 -1 2\nv 4 1 2.5\nf 1 2 1\n");
+  write("b.stl", "solid b\nfacet normal 0 0 1\nouter loop\nvertex 0 -1 2\nvertex 4 1 2.5\nvertex 1 1 2\nendloop\n");
+  std::string binary(84, '\0');
+  binary[80] = 1;
+  const std::array<float, 12> numbers{0, 0, 1, 0, -1, 2, 4, 1, 2.5F, 1, 1, 2};
+  binary.append(reinterpret_cast<const char*>(numbers.data()), sizeof numbers).append(2, '\0');
+  write("c.STL", binary);
+  write("d.dae", "<COLLADA/>");
+  for (const char* mesh : {"../a.obj", "package://pkg/b.stl", "package:///pkg/c.STL", "model://pkg/a.obj"}) {
+    const auto box = mesh_box(robot, mesh, "link 'l'");
+    CHECK(box.has_value());
+    if (!box) continue;
+    check_near(box->centre_m, {2, 0, 2.25}, 0);
+    check_near(box->sides_m, {4, 2, 0.5}, 0);
+  }
+  CHECK(!mesh_box(robot, "../d.dae", "link 'l'"));
+  CHECK_THROWS(mesh_box(robot, "package://other/a.obj", "link 'l'"), UserError,
+               "link 'l': mesh = package://other/a.obj: is not there");
+}
+
+/// A link that hangs on nothing, beside one on a hinge: KDL knows it as well.
+void a_floating_link_is_proved() {
+  const std::string text = R"(<robot name="r"><link name="base"/>
+    <link name="a"><inertial><origin xyz="0 0.1 0.2" rpy="0.1 0 0"/><mass value="1"/><inertia ixx="1" iyy="2" izz="2.5" ixy="0" ixz="0.1" iyz="0"/></inertial></link>
+    <link name="b"><inertial><origin xyz="0 0.1 0.2" rpy="0.1 0 0"/><mass value="1"/><inertia ixx="1" iyy="2" izz="2.5" ixy="0" ixz="0.1" iyz="0"/></inertial></link>
+    <joint name="pin" type="continuous"><parent link="base"/><child link="a"/><origin rpy="0.1 0.2 0.3"/></joint>
+    <joint name="off" type="floating"><parent link="a"/><child link="b"/><origin xyz="1 0 0" rpy="0.1 0.2 0.3"/></joint></robot>)";
+  const Robot robot = read_robot("r.urdf", text);
+  const ImportProof proof = mistaken("r.urdf", robot, robot);
+  CHECK_BETWEEN(proof.kdl.value_or(1), 0.0, rounded);
+  Robot wrong = robot;
+  wrong.links[2].mass->frame.rotation = Frame{}.rotation;
+  CHECK(mistaken("r.urdf", robot, wrong).kdl.value_or(0) > 1e-8);
+}
+
+void friction_can_be_dropped() {
+  const Imported imported = import_robot("arm.urdf", read_robot("arm.urdf", arm), {.drop_friction = true});
+  CHECK(!joint(scenario_of(imported, "arm.urdf"), "shoulder").motor);
+}
+
 }  // namespace
 
 int main() {
+  meshes_are_boxes();
   const bool urdf = reads("URDF");
   const bool sdformat = reads("SDFormat");
   if (!urdf && !sdformat) return 77;
@@ -299,6 +350,8 @@ int main() {
     a_right_import_is_proved("arm.urdf", arm);
     a_mistake_of_the_importer_is_caught("arm.urdf", arm);
     a_mistake_in_ode_is_caught();
+    a_floating_link_is_proved();
+    friction_can_be_dropped();
     for (const double angle : {0.0, 1e-9, 0.1, 1.0, 3.0, 3.14159, 3.2, 6.0}) turns_of_all_sizes_are_read(angle);
   }
   if (sdformat) {
