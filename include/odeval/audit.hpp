@@ -178,7 +178,7 @@ struct Answer {
   bool h_varies = false;
   bool springs_held = true;  // ERP, CFM and damping converted; else the numbers
   std::uint32_t worlds = 0;  // that step
-  std::uint32_t bodies = 0;  // the most at a time, as the two after them
+  std::uint32_t bodies = 0;  // the most at a time of each world, of all together, as the two after them
   std::uint32_t joints = 0;
   std::uint32_t contacts = 0;
   double depth_m = 0;                               // the largest
