@@ -186,19 +186,62 @@ void check_suspension() {
   CHECK_NEAR(force, 0, 1e-9);
 }
 
-/// Stiffer than a step can follow: refused, with the number that would do.
-void check_stiff() {
+/// Two bodies on a suspension, with its anchor so far from the centre of the first.
+struct Sprung {
   World world;
-  const dBodyID frame = world.box(1, {0.1, 0.1, 0.1}, {0, 0, 0}), wheel = world.box(1, {0.1, 0.1, 0.1}, {0, 0.3, 0});
-  const dJointID joint = attached(world, dJointCreateHinge2, frame, wheel);
-  dJointSetHinge2Anchor(joint, 0, 0.3, 0);
-  const dReal steering[] = {0, 0, 1, 0}, axle[] = {0, 1, 0, 0};
-  dJointSetHinge2Axes(joint, steering, axle);
-  dJointSetHinge2Param(joint, dParamSuspensionERP, 0.5);
-  dJointSetHinge2Param(joint, dParamSuspensionCFM, 1e-4);
-  AccurateStep step(world.id, world.space);
+  dBodyID frame = world.box(1, {0.1, 0.1, 0.1}, {0, 0, 0}), wheel;
+  dJointID joint;
+
+  Sprung(double mass, double away) : wheel(world.box(mass, {0.1, 0.1, 0.1}, {0, away, 0})) {
+    joint = attached(world, dJointCreateHinge2, frame, wheel);
+    dJointSetHinge2Anchor(joint, 0, away, 0);
+    const dReal steering[] = {0, 0, 1, 0}, axle[] = {0, 1, 0, 0};
+    dJointSetHinge2Axes(joint, steering, axle);
+    dJointSetHinge2Param(joint, dParamSuspensionERP, 0.5);
+    set_cfm(1e-4);
+  }
+  void set_cfm(double cfm) { dJointSetHinge2Param(joint, dParamSuspensionCFM, cfm); }
+  /// Of 2000 steps from a kick on.
+  double largest_rise() {
+    World::move(wheel, {0, 0, 1}, {0, 0, 0});
+    AccurateStep step(world.id, world.space);
+    const double energy = world.energy();
+    double largest = 0;
+    for (int k = 0; k < 2000; ++k) {
+      step(1e-3);
+      largest = std::max(largest, world.energy() - energy);
+    }
+    return largest;
+  }
+};
+
+/// Stiffer than a step can follow: refused, with the number that would do. What counts is the mass that the spring
+/// feels: less than a body's far from its centre, more where a joint fixes it to another.
+void check_stiff() {
+  Sprung plain(1, 0);
+  AccurateStep step(plain.world.id, plain.world.space);
   CHECK_THROWS(step(1e-3), odeval::AccurateStepError, "raise its dParamSuspensionCFM to 0.001 or more");
-  step(1e-4);
+  plain.set_cfm(0.001);
+  CHECK_BETWEEN(plain.largest_rise(), -1, 1e-9);
+
+  // The frame turns about its centre: 2 + 0.3^2 / I. By the masses alone 0.0011 would do, and it explodes.
+  Sprung far(1, 0.3);
+  far.set_cfm(0.0011);
+  CHECK_THROWS(far.largest_rise(), odeval::AccurateStepError, "raise its dParamSuspensionCFM to 0.0");
+  try {
+    far.largest_rise();
+  } catch (const odeval::AccurateStepError& error) {
+    const std::string what = error.what(), before = "CFM to ";
+    far.set_cfm(std::stod(what.substr(what.find(before) + before.size())));
+  }
+  CHECK_BETWEEN(far.largest_rise(), -1, 1e-9);
+
+  // A wheel of 10 g that is fixed to 10 kg.
+  Sprung light(0.01, 0);
+  const dBodyID heavy = light.world.box(10, {0.1, 0.1, 0.1}, {0, 0, 0});
+  light.world.fixed(light.wheel, heavy);
+  light.set_cfm(0.001);
+  CHECK_BETWEEN(light.largest_rise(), -1, 1e-9);
 }
 
 /// Damped as dWorldStep does it, and to the fourth order between: v = v0 (1 - s)^(t/h) down to the threshold.

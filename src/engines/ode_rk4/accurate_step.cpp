@@ -60,6 +60,7 @@ class AccurateStep::World {
     if (watch_.changed(space_, mechanism())) reread();
     motion_.prepare(h);
     read_state(mechanism(), state_);
+    motion_.check_springs(state_);
     read_forces(world_, mechanism(), forces_.now);
     saved_.save(mechanism());
     try {

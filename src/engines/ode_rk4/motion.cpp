@@ -1,5 +1,6 @@
 #include "engines/ode_rk4/motion.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -19,8 +20,10 @@ constexpr double small_correction = 1e-7;
 constexpr double reached = 1e-9;
 constexpr double no_time = 1e-3;          // of a step
 constexpr double limit_rounding = 1e-12;  // of a motor's limit
-// Of h k h / m + h d / m: Runge's method of the fourth order bears 2.78.
+// Of h (h k + d) / m: Runge's method of the fourth order bears 2.78.
 constexpr double stiffest = 2;
+constexpr double six_digits = 1e-5;  // that the error tells
+constexpr int steps_between_checks = 16;
 constexpr double closed = 1e-13;  // m, rad: a hundred roundings of a body's size
 
 std::vector<Eigen::Index> rows_of(const std::vector<Joint>& joints) {
@@ -253,6 +256,7 @@ void Motion::wake() {
 }
 
 void Motion::prepare(double h) {
+  if (h != step_) steps_unchecked_ = 0;
   step_ = h;
   if (has_motors()) read_motors(mechanism_);
   wake();
@@ -262,18 +266,62 @@ void Motion::prepare(double h) {
   }
   for (const std::size_t j : sprung_) {
     Joint& joint = mechanism_.joints[j];
-    const double lightness = mechanism_.bodies[joint.a].inverse_mass + mechanism_.bodies[joint.b].inverse_mass;
     for (Spring& spring : joint.springs) {
       spring.stiffness = spring.erp / (h * spring.cfm);
       spring.damping = (1 - spring.erp) / spring.cfm;
       if (mechanism_.bodies[joint.a].asleep) spring.stiffness = spring.damping = 0;
-      if (h * lightness * (h * spring.stiffness + spring.damping) <= stiffest) continue;
-      refuse(name(joint) + " has a suspension that is stiffer than a step of " + shown(h) +
-                 " s follows; raise its dParamSuspensionCFM to " + shown(h * lightness / stiffest) +
-                 " or more, or set it to 0: rigid",
-             mechanism_.bodies[joint.a].id, joint.id);
     }
   }
+}
+
+/// Runge's method follows u' = -W (h k + d) u, W the change of the springs' speeds by an impulse at each, joints kept,
+/// where no eigenvalue of h W (h k + d) is too large: h k + d is 1 / CFM.
+void Motion::check_springs(const State& state) {
+  if (sprung_.empty() || steps_unchecked_++ % steps_between_checks != 0) return;
+  struct Place {
+    const Joint& joint;
+    const Spring& spring;
+    MotorLine line;
+    double weight;  // the root of h / CFM
+  };
+  release();
+  look(state);
+  factor();
+  std::vector<Place> places;
+  for (const std::size_t j : sprung_) {
+    const Joint& joint = mechanism_.joints[j];
+    if (mechanism_.bodies[joint.a].asleep) continue;
+    for (const Spring& spring : joint.springs) {
+      places.push_back({joint, spring, line_of(joint, spring, state, turns_), std::sqrt(step_ / spring.cfm)});
+    }
+  }
+  const auto count = static_cast<Eigen::Index>(places.size());
+  Eigen::MatrixXd answers(count, count);
+  State moved = state;
+  std::vector<Twist> change(state.size());
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Place& from = places[static_cast<std::size_t>(k)];
+    for (Twist& twist : change) twist = {Vector3d::Zero(), Vector3d::Zero()};
+    push_along(from.joint, from.line, true, 1, change);
+    for (Vector6& lambda : lambda_) lambda.setZero();
+    solve_onto(change);
+    for (std::size_t i = 0; i < moved.size(); ++i) moved[i].twist = change[i];
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const Place& to = places[static_cast<std::size_t>(i)];
+      answers(i, k) = from.weight * to.weight * motor_speed(to.joint, to.line, true, moved);
+    }
+  }
+  if (count == 0) return;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(answers);
+  const double largest = modes.eigenvalues()[count - 1];
+  if (largest <= stiffest * (1 + six_digits)) return;
+  Eigen::Index worst = 0;
+  modes.eigenvectors().col(count - 1).cwiseAbs().maxCoeff(&worst);
+  const auto& [joint, spring, line, weight] = places[static_cast<std::size_t>(worst)];
+  refuse(name(joint) + " has a suspension that is stiffer than a step of " + shown(step_) +
+             " s follows; raise its dParamSuspensionCFM to " + shown(spring.cfm * largest / stiffest) +
+             " or more, or set it to 0: rigid",
+         mechanism_.bodies[joint.a].id, joint.id);
 }
 
 void Motion::release() {

@@ -66,8 +66,11 @@ class Motion {
   JointErrors step(const State& from, Forces& forces, double h, State& to, bool driven = false);
 
   /// For a step of h: reads velocities and limits of the motors anew, who is asleep, and what springs and damping
-  /// are at that step. Throws AccurateStepError for a spring that is stiffer than the step can follow.
+  /// are at that step.
   void prepare(double h);
+  /// Throws AccurateStepError for springs that are stiffer than the step can follow, from this state on. Looks when the
+  /// step has changed and then now and again, since poses change slowly beside what explodes.
+  void check_springs(const State& state);
   bool has_motors() const { return !motors_.empty(); }
   /// Decides which motors hold and which push from this state on, `t` into the step. `broken` ones hold no more; those
   /// that come to their velocity `within` a time have it at once.
@@ -161,6 +164,7 @@ class Motion {
   std::vector<MotorPlace> motors_;
   double step_ = 0;                  // s, of the user's
   std::vector<std::size_t> sprung_;  // joints
+  int steps_unchecked_ = 0;          // since their springs were
   std::vector<std::size_t> damped_;  // bodies
   std::vector<Matrix3d> turns_;
   std::vector<Matrix3d> inverse_inertias_;  // world frame
