@@ -533,7 +533,7 @@ void Flight::settle_crowd(State& state, double h) {
     contact.depth = (contact.depth - rest_depth) / 2;
   }
   const State before = state;
-  if (!(impact.push_out(0, state, by, bounced ? Eigen::VectorXd() : impulses).size <= mendable)) state = before;
+  if (!(impact.push_out(0, state, by).size <= mendable)) state = before;
 }
 
 /// Contacts at hand that rested before begin with what they pushed then.

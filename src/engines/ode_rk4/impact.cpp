@@ -16,9 +16,14 @@ std::size_t index(Eigen::Index i) { return static_cast<std::size_t>(i); }
 constexpr double rounding = 1e-12;     // of the fastest speed, of the largest impulse
 constexpr double sliding = 1e-7;       // m/s: slower is sticking, within 1e-10 m in a step of a millisecond
 constexpr double sliding_way = 1e-11;  // m: what sticks before it has slid so far did all the while
-constexpr double same_row = 1e-9;      // of the largest: contacts that say what others say
-constexpr int most_rounds = 100;       // of friction that makes what does not bounce close, and is stopped
-constexpr double held = 1e-12;  // of the change of speed that bodies without joints would have: a thousand roundings
+// Of the largest: contacts that say what others say, nearly. Their gaps may contradict each other, and a way out of
+// that would be long.
+constexpr double same_row = 1e-3;
+constexpr double farthest = 100;  // times what overlaps: out of its way, and at the ends of levers
+constexpr int sweeps_out = 20;
+constexpr double hovering = 1e-4;  // m: what left slower than it takes to leave is no higher, in a step of 0.1 s
+constexpr int most_rounds = 100;   // of friction that makes what does not bounce close, and is stopped
+constexpr double held = 1e-12;     // of the change of speed that bodies without joints would have: a thousand roundings
 
 double along(const Contact& contact, const Vector3d& arm, const Twist& twist) {
   if (contact.turns) return contact.normal.dot(twist.angular);
@@ -285,18 +290,30 @@ JointError Impact::push_out(double depth, State& state, std::span<const Twist> b
   Eigen::VectorXd p = Eigen::VectorXd::Zero(response_.rows());
   p.head(normals()) = complementary(response_.topLeftCorner(normals(), normals()), b);
   std::vector<Eigen::Index> pushing;
-  bool hovers = false;
+  double highest = 0, deepest = 0;
   for (Eigen::Index i = 0; i < std::min(impulses.size(), b.size()); ++i) {
     if (impulses[i] <= 0) continue;
     pushing.push_back(i);
-    hovers = hovers || b[i] > depth;
+    highest = std::max(highest, b[i] - depth);
+    deepest = std::max(deepest, std::fabs(b[i]));
   }
-  if (hovers) {
+  if (highest > 0 && deepest < hovering) {
     Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> down(response_(pushing, pushing).eval());
     down.setThreshold(same_row);
     p(pushing) = -down.solve(b(pushing).eval());
   }
   respond(p);
+  // Where contacts nearly contradict each other the way out may be long; a few sweeps go a part of it.
+  const auto far = [&](const Twist& change) { return change.linear.norm() > farthest * b.cwiseAbs().maxCoeff(); };
+  if (std::ranges::any_of(change_, far)) {
+    p.setZero();
+    for (int sweep = 0; sweep < sweeps_out; ++sweep) {
+      for (Eigen::Index i = 0; i < normals(); ++i) {
+        if (response_(i, i) > 0) p[i] = std::max(0.0, p[i] - (b[i] + response_.row(i).dot(p)) / response_(i, i));
+      }
+    }
+    respond(p);
+  }
   for (std::size_t i = 0; i < besides.size(); ++i) {
     change_[i].linear += besides[i].linear;
     change_[i].angular += besides[i].angular;
