@@ -1,6 +1,9 @@
 // SDFormat by libsdformat, in a module of its own.
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -37,6 +40,26 @@ void quieten() {
   static_cast<void>(once);
 }
 
+/// Where the file is no SDFormat the library tries it as URDF, by a parser that prints: nothing does while one lives.
+class Silence {
+ public:
+  Silence() : kept_(::dup(STDERR_FILENO)) {
+    const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+    if (kept_ >= 0 && nowhere >= 0) ::dup2(nowhere, STDERR_FILENO);
+    if (nowhere >= 0) ::close(nowhere);
+  }
+  ~Silence() {
+    if (kept_ < 0) return;
+    ::dup2(kept_, STDERR_FILENO);
+    ::close(kept_);
+  }
+  Silence(const Silence&) = delete;
+  Silence& operator=(const Silence&) = delete;
+
+ private:
+  int kept_;
+};
+
 template <class Vector>
 Vec3 ours(const Vector& v) {
   return {v.X(), v.Y(), v.Z()};
@@ -52,6 +75,7 @@ class Reading {
   explicit Reading(RobotText& text) : text_(text), robot_(text.robot) {}
 
   void read() {
+    const Silence silence;
     quieten();
     sdf::Root root;
     must(root.LoadSdfString(std::string(text_.text)));
@@ -91,7 +115,15 @@ class Reading {
 
   [[noreturn]] void fail(const std::string& what) const { throw UserError(text_.file + ": " + what); }
   void must(const sdf::Errors& errors) const {
-    if (!errors.empty()) fail("not SDFormat: " + one_line(errors.front().Message(), 300));
+    if (errors.empty()) return;
+    // Some only repeat the text.
+    const auto tells = [](const sdf::Error& error) {
+      return !error.Message().starts_with("Unable to read SDF string");
+    };
+    const auto first = std::ranges::find_if(errors, tells);
+    fail("not SDFormat: " + (first != errors.end()
+                                 ? one_line(first->Message(), 300)
+                                 : "can not be read; it needs <sdf version=\"1.9\"> with a world or model"));
   }
   /// "1.9" is older than "1.10".
   static std::pair<int, int> number_of(const std::string& version) {
