@@ -22,6 +22,9 @@ enum class Start { as_given, half_step };
 /// Along what the two forces of a contact's friction act: ODE's own choice, or the way the contact slides and across.
 enum class FrictionAxes { plane_space, sliding };
 
+/// How ODE turns a body by its spin in a step: along the tangent, its own choice, or by the whole angle.
+enum class Turning { infinitesimal, finite };
+
 /// How ODE holds a joint together: the part of an error that a step takes back, and how far a force opens it.
 struct Softness {
   double erp = 0;  // 0 to 1
@@ -60,6 +63,7 @@ struct OdeSettings {
   Start start = Start::as_given;
   std::uint32_t seed = 0;  // of QuickStep's order of rows
   bool gyroscopic = true;  // the torque -w x (I w) of a tumbling body
+  Turning rotation = Turning::infinitesimal;
 
   /// What ODE is given at this step.
   Softness softness(double step_s) const { return spring ? softness_of(*spring, step_s) : Softness{erp, cfm}; }

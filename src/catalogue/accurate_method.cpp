@@ -50,6 +50,7 @@ template <int order, int parts = 1>
 std::unique_ptr<Simulation> make(const Scenario& scenario, const SampleGrid& grid) {
   Scenario whole = scenario;
   whole.ode.gyroscopic = true;  // of [ode] it obeys the bounce alone
+  whole.ode.rotation = Turning::infinitesimal;
   return engine_ode::odeval_ode_double().make_stepped(whole, grid, &stepper<order, parts>);
 }
 

@@ -27,12 +27,15 @@ constexpr EngineSetting on_contacts(std::string_view key) { return {key, touchin
 constexpr std::array of_quickstep{
     on_constraints("ode.iterations"), on_constraints("ode.sor_w"), on_constraints("ode.seed"),
     // and what dWorldStep reads as well:
+    EngineSetting{"ode.rotation", anywhere, ""},
+    // and its rebuilt twin:
     on_constraints("ode.erp"), on_constraints("ode.cfm"), on_constraints("ode.kp"), on_constraints("ode.kd"),
     on_contacts("ode.bounce"), EngineSetting{"ode.bounce_vel", bouncing, "contacts that bounce"},
     on_contacts("ode.max_correcting_vel"), on_contacts("ode.surface_layer"),
     EngineSetting{"ode.friction_axes", rubbing, "contacts with friction"}, EngineSetting{"ode.start", anywhere, ""},
     EngineSetting{"ode.gyroscopic", anywhere, ""}};
 constexpr std::size_t only_quickstep = 3;
+constexpr std::size_t only_ode = only_quickstep + 1;
 constexpr std::array of_accurate_step{on_contacts("ode.bounce")};
 constexpr EngineSetting on_spring(std::string_view key) { return {key, joints_are_springs, "joints that are springs"}; }
 constexpr std::array of_closed_form{on_spring("ode.erp"), on_spring("ode.cfm"), on_spring("ode.kp"),
@@ -43,6 +46,7 @@ constexpr std::array of_tolerances{EngineSetting{"rtol", anywhere, ""}, EngineSe
 }  // namespace
 
 std::span<const EngineSetting> step_settings() { return quickstep_settings().subspan(only_quickstep); }
+std::span<const EngineSetting> rebuilt_step_settings() { return quickstep_settings().subspan(only_ode); }
 std::span<const EngineSetting> quickstep_settings() { return of_quickstep; }
 std::span<const EngineSetting> accurate_step_settings() { return of_accurate_step; }
 std::span<const EngineSetting> closed_form_settings() { return of_closed_form; }

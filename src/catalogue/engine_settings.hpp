@@ -7,8 +7,10 @@
 
 namespace odeval::catalogue {
 
-/// What `dWorldStep` and its rebuilt twin read.
+/// What `dWorldStep` reads.
 std::span<const EngineSetting> step_settings();
+/// What its rebuilt twin reads: the same, but it turns bodies in one way alone.
+std::span<const EngineSetting> rebuilt_step_settings();
 /// What `dWorldQuickStep` reads: the same, and how it iterates.
 std::span<const EngineSetting> quickstep_settings();
 /// What the accurate step reads of [ode]: the bounce alone, since it keeps joints and contacts exactly.

@@ -32,7 +32,7 @@ Method projected_step() {
   Method method = *available("lagrange-symplectic-euler");
   method.name = "ODE's scheme, generalized";
   method.make = reference::make_projected_step;
-  method.settings = catalogue::step_settings();  // it steps as ODE does, so that the half-step start is for it
+  method.settings = catalogue::rebuilt_step_settings();  // it steps as ODE does, so that the half-step start is for it
   return method;
 }
 
@@ -152,7 +152,7 @@ std::vector<Ladder> measure_ladders(const Scenario& file, const Method& step, co
   }
   ladders.push_back(ladder(file, projected, file.ode, std::string(projected.name)));
   Method symplectic = *available("lagrange-symplectic-euler");
-  symplectic.settings = catalogue::step_settings();  // to be given the half-step start as well
+  symplectic.settings = catalogue::rebuilt_step_settings();  // to be given the half-step start as well
   ladders.push_back(ladder(file, symplectic, file.ode, "symplectic Euler, generalized"));
   return ladders;
 }

@@ -38,6 +38,7 @@ std::vector<std::string> sprung_joint_names(const Names&) {
 const JointWord* joint_named(const std::string& word) { return std::ranges::find(joint_words, word, &JointWord::word); }
 std::vector<std::string> sampling_names(const Names&) { return {"step", "continuous"}; }
 std::vector<std::string> start_names(const Names&) { return {"as-given", "half-step"}; }
+std::vector<std::string> rotation_names(const Names&) { return {"infinitesimal", "finite"}; }
 std::vector<std::string> switch_names(const Names&) { return {"on", "off"}; }
 std::vector<std::string> method_names(const Names& names) { return names.methods; }
 std::vector<std::string> metric_names(const Names& names) { return names.metrics; }
@@ -265,6 +266,8 @@ constexpr KeyRow rows[] = {
       [](D&, S& s, const V& v) { s.ode.seed = static_cast<std::uint32_t>(v.number); }},
   {"ode", "gyroscopic",         word,   "",       0, 0,          false, switch_names, "on", "the torque -w x (I w) that makes a body tumble",
       [](D&, S& s, const V& v) { s.ode.gyroscopic = v.word == "on"; }},
+  {"ode", "rotation",           word,   "",       0, 0,          false, rotation_names, "infinitesimal", "how a step turns a body: along the tangent, or by the whole angle (dBodySetFiniteRotationMode)",
+      [](D&, S& s, const V& v) { s.ode.rotation = v.word == "finite" ? Turning::finite : Turning::infinitesimal; }},
 
   {"maximal", "ks", number, "1/s²", 0, 1e14, false, nullptr, "400", "feedback of a joint's position error",
       [](D&, S& s, const V& v) { s.maximal.ks = v.number; }},

@@ -137,6 +137,7 @@ const Row rows[] = {
     {"ode.start",              "half-step",        {"SQO",       "SQO",      "SQO",      "SQ",    "SQ",   "SQ",  "SQ",  "SQ", "SQ"}},
     {"ode.seed",               "1",                {"Q",         "Q",        "Q",        "",      "",     "Q",   "",    "", "Q"}},
     {"ode.gyroscopic",         "off",              {"SQO",       "SQO",      "SQO",      "SQ",    "",     "SQ",  "",    "", "SQ"}},
+    {"ode.rotation",           "finite",           {"SQ",        "SQ",       "SQ",       "SQ",    "",     "SQ",  "",    "", "SQ"}},
     {"maximal.ks",             "1",                {"M",         "",         "",         "-",     "-",    "-",   "-",   "-", "-"}},
     {"maximal.kd",             "1",                {"M",         "",         "",         "-",     "-",    "-",   "-",   "-", "-"}},
 };

@@ -170,12 +170,12 @@ struct MakeObstacle {
 
 }  // namespace
 
-dBodyID make_body(dWorldID world, dSpaceID space, const Body& what, bool gyroscopic) {
+dBodyID make_body(dWorldID world, dSpaceID space, const Body& what, const OdeSettings& ode) {
   const dMass mass = mass_of(what);
   const dGeomID geom = std::visit(MakeGeom{space}, what.shape);
   const dBodyID body = dBodyCreate(world);
-  dBodySetGyroscopicMode(body, gyroscopic ? 1 : 0);
-  dBodySetFiniteRotationMode(body, 0);
+  dBodySetGyroscopicMode(body, ode.gyroscopic ? 1 : 0);
+  dBodySetFiniteRotationMode(body, ode.rotation == Turning::finite ? 1 : 0);
   dBodySetMass(body, &mass);
   dGeomSetBody(geom, body);
   std::visit(SetAttitude{body}, what.attitude);

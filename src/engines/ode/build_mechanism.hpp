@@ -11,7 +11,7 @@ namespace odeval::engine_ode {
 constexpr dReal real(double value) { return static_cast<dReal>(value); }
 
 /// A body with its geom, where and as fast as it starts. Every setting of its own is set.
-dBodyID make_body(dWorldID world, dSpaceID space, const Body& body, bool gyroscopic);
+dBodyID make_body(dWorldID world, dSpaceID space, const Body& body, const OdeSettings& ode);
 
 /// A joint between bodies that stand where they start. Throws nothing; ODE checks its own assertions.
 dJointID make_joint(dWorldID world, const Joint& joint, const std::vector<dBodyID>& bodies,

@@ -107,7 +107,7 @@ void Scene::add_mechanism(const Scenario& scenario) {
   const Mechanism& mechanism = scenario.mechanism;
   std::vector<dBodyID> bodies;
   for (const Body& what : mechanism.bodies) {
-    const dBodyID body = bodies.emplace_back(make_body(world_, space_, what, scenario.ode.gyroscopic));
+    const dBodyID body = bodies.emplace_back(make_body(world_, space_, what, scenario.ode));
     number(dBodyGetFirstGeom(body), what.name);
     bodies_.push_back(
         {dBodyGetPosition(body), dBodyGetRotation(body), dBodyGetLinearVel(body), dBodyGetAngularVel(body)});
