@@ -63,6 +63,12 @@ enum class Direction {
   ROW(max_penetration,       "m",   body,       less,    none, "deepest overlap of a body with the ground") \
   /* The sample after the last one with motion. No value: a body still moves in the last sample. */ \
   ROW(rest_time,             "s",   mechanism,  neither, none, "from when on no body on a ground moves faster than 1 mm/s") \
+  /* From where it is as the reference comes to rest. No value: the reference never does. */ \
+  ROW(max_creep,             "m",   body,       less,    none, "farthest a body goes while the reference rests") \
+  /* Largest distance in time between an impact and the nearest of the reference's, either way; one without a */ \
+  /* counterpart may have it after the end, and counts as that late at least. No value: the reference has none. */ \
+  ROW(max_impact_error,      "s",   mechanism,  less,    impact_uncertainty, "largest error of the time of an impact") \
+  ROW(impact_uncertainty,    "s",   reference,  neither, none, "bound on the error of the times of the reference's own impacts") \
   /* Least squares over angles, or over coordinates of centres; within two rows either way, before the first impact. */ \
   /* No value: the run is lost, ends early or does not move. */ \
   ROW(time_shift,            "s",   mechanism,  neither, time_shift_uncertainty, "how far the trace's clock runs ahead, for the best fit until an impact") \

@@ -115,7 +115,7 @@ Evaluation Evaluator::evaluate(const Method& method, const OdeSettings& ode) {
 }
 
 Metrics Evaluator::measure(const Evaluation& evaluation, double until_s) {
-  return odeval::measure(evaluation.trace, &reference(), until_s);
+  return odeval::measure(evaluation.trace, &reference(), until_s, &evaluation.outcome.impacts);
 }
 
 }  // namespace odeval::catalogue

@@ -64,6 +64,7 @@ void ForeignTrace::complete() {
   const bool all_of_bodies = has_all(trace, &BodyColumns::position) && has_all_rotations(trace) &&
                              has_all(trace, &BodyColumns::velocity) && has_all(trace, &BodyColumns::spin);
   if (!trace.q.empty() && !all_of_bodies) trace.bodies.clear();
+  untold({max_impact_error, impact_uncertainty});
   if (!has_all(trace, &BodyColumns::joint_force) || trace.contacts.empty()) untold({max_reaction_error});
   if (!has_all_rotations(trace)) untold({max_error_turn, turn_uncertainty});
   if (!has_all(trace, &BodyColumns::velocity)) {

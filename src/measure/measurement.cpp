@@ -48,9 +48,11 @@ std::optional<TimeShift> fitted_shift(const Measurement& of) {
 
 }  // namespace
 
-Measurement::Measurement(const Trace& measured, const Reference* beside, double until_s)
+Measurement::Measurement(const Trace& measured, const Reference* beside, double until_s,
+                         const std::vector<Impact>* of_run)
     : trace(measured),
       reference(beside),
+      impacts(of_run),
       rows(rows_until(trace.t, until_s)),
       reference_rows(reference == nullptr ? 0 : rows_until(reference->trace.t, until_s)) {
   taken.until_s = until_s;

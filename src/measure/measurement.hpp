@@ -16,13 +16,14 @@ namespace odeval {
 /// A trace up to one time, beside the reference that `compare` compared it with.
 class Measurement {
  public:
-  Measurement(const Trace& trace, const Reference* reference, double until_s);
+  Measurement(const Trace& trace, const Reference* reference, double until_s, const std::vector<Impact>* impacts);
 
   const Trace& trace;
-  const Reference* const reference;  // null: none
-  const std::size_t rows;            // of the trace, with t <= until_s
-  const std::size_t reference_rows;  // of the reference until then; 0 without one
-  Metrics taken;                     // by the table's rows above the one at work, and when the reference is lost
+  const Reference* const reference;          // null: none
+  const std::vector<Impact>* const impacts;  // of the run that made the trace; null: nobody knows
+  const std::size_t rows;                    // of the trace, with t <= until_s
+  const std::size_t reference_rows;          // of the reference until then; 0 without one
+  Metrics taken;  // by the table's rows above the one at work, and when the reference is lost
 
   bool has_angle_errors() const { return reference != nullptr && !trace.error_q.empty(); }
   bool has_body_errors() const { return reference != nullptr && !trace.error_position.empty(); }

@@ -47,8 +47,8 @@ void compare(Trace& trace, const Reference& reference) {
   }
 }
 
-Metrics measure(const Trace& trace, const Reference* reference, double until_s) {
-  Measurement measurement(trace, reference, until_s);
+Metrics measure(const Trace& trace, const Reference* reference, double until_s, const std::vector<Impact>* impacts) {
+  Measurement measurement(trace, reference, until_s, impacts);
   for (const Quantity& row : quantities) measurement.taken[row.id] = extractors[row.id](measurement);
   return measurement.taken;
 }

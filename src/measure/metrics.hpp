@@ -20,8 +20,10 @@ void compare(Trace& trace, const Reference& reference);
 /// without a reference, they stay empty.
 ///
 /// A value that is not finite counts as infinite. So does every error and drift of a trace that ends before a
-/// reference does: what a run did not survive it did not do well.
-Metrics measure(const Trace& trace, const Reference* reference, double until_s);
+/// reference does: what a run did not survive it did not do well. Times of impacts are judged where the run's own are
+/// given.
+Metrics measure(const Trace& trace, const Reference* reference, double until_s,
+                const std::vector<Impact>* impacts = nullptr);
 
 /// What a tolerance is held against: the metric's value, where a run that was compared and never lost is lost at
 /// infinity. Empty when the metric has no meaning for the run. Throws UserError for an unknown metric.

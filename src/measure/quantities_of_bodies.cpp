@@ -19,6 +19,18 @@ double fastest_body(const Trace& trace, std::size_t row) {
   return fastest;
 }
 
+/// The first row from which on no body moves, of so many; that many: one still moves in the last.
+std::size_t first_at_rest(const Trace& trace, std::size_t rows) {
+  std::size_t first = rows;
+  while (first > 0 && fastest_body(trace, first - 1) <= rest_m_s) --first;
+  return first;
+}
+
+double distance_between(const BodyColumns& body, std::size_t from, std::size_t to) {
+  const auto& [x, y, z] = body.position;
+  return size_of(std::hypot(x[to] - x[from], y[to] - y[from], z[to] - z[from]));
+}
+
 }  // namespace
 
 std::optional<double> max_error_position(const Measurement& of) {
@@ -64,12 +76,22 @@ std::optional<double> max_penetration(const Measurement& of) {
   return of.unless_early(largest_of(of.trace.penetration, of.rows));
 }
 
-// From the row after the last one in which a body moves.
 std::optional<double> rest_time(const Measurement& of) {
   if (of.trace.penetration.empty() || of.ended_early()) return std::nullopt;
-  std::size_t first = of.rows;
-  while (first > 0 && fastest_body(of.trace, first - 1) <= rest_m_s) --first;
+  const std::size_t first = first_at_rest(of.trace, of.rows);
   return first == of.rows ? std::nullopt : std::optional(of.trace.t[first]);
+}
+
+std::optional<double> max_creep(const Measurement& of) {
+  if (of.reference == nullptr || of.trace.penetration.empty() || of.reference->trace.bodies.empty())
+    return std::nullopt;
+  const std::size_t rests = first_at_rest(of.reference->trace, of.reference_rows);
+  if (rests == of.reference_rows) return std::nullopt;
+  double farthest = 0;
+  for (const BodyColumns& body : of.trace.bodies) {
+    for (std::size_t k = rests; k < of.rows; ++k) farthest = std::max(farthest, distance_between(body, rests, k));
+  }
+  return of.unless_early(farthest);
 }
 
 }  // namespace odeval::extract
