@@ -166,7 +166,7 @@ class Album {
     for (long frame = 0;; ++frame) {
       const auto row = static_cast<std::size_t>(std::lround(static_cast<double>(frame) / film_rate / spacing));
       if (row >= t.size()) break;
-      film.add(studio_.picture(shot(row), caption(row)));
+      film.add(studio_.frame(shot(row), caption(row)));
     }
     write("film", film.finish());
   }
@@ -225,20 +225,46 @@ class Album {
   std::vector<std::string> written_;
 };
 
-/// Of bodies: where the reference has them in the rows, which is near where any method has them.
-std::vector<render::Pose> shown_poses(catalogue::Evaluator& evaluator, const std::vector<std::size_t>& rows,
-                                      bool film) {
-  std::vector<render::Pose> poses;
-  if (evaluator.scenario().planar) return poses;
-  const Trace& truth = evaluator.reference().trace;
-  for (const std::size_t row : rows) poses.push_back(render::pose_at(evaluator.scenario(), truth, row));
-  if (!film) return poses;
+/// Poses of a trace in the rows that are shown; of a film in enough of all.
+void add_poses(std::vector<render::Pose>& poses, const Scenario& scenario, const Trace& trace,
+               const std::vector<std::size_t>& rows, bool film) {
+  const auto add = [&](std::size_t row) {
+    if (row < trace.rows()) poses.push_back(render::pose_at(scenario, trace, row));
+  };
+  for (const std::size_t row : rows) add(row);
+  if (!film) return;
   constexpr std::size_t enough = 200;
-  const std::size_t stride = std::max<std::size_t>(truth.rows() / enough, 1);
-  for (std::size_t row = 0; row < truth.rows(); row += stride) {
-    poses.push_back(render::pose_at(evaluator.scenario(), truth, row));
+  for (std::size_t row = 0; row < trace.rows(); row += std::max<std::size_t>(trace.rows() / enough, 1)) add(row);
+}
+
+/// What the camera has to hold: bodies where the reference has them, which is near where any method has them that has
+/// not blown up; links where the method has them, which keep within their reach. Other methods have no say, so that a
+/// method's pictures are the same whatever is drawn beside it.
+std::vector<render::Pose> shown_poses(catalogue::Evaluator& evaluator, const catalogue::Evaluation& run,
+                                      const std::vector<std::size_t>& rows, const Options& options) {
+  const Scenario& scenario = evaluator.scenario();
+  std::vector<render::Pose> poses;
+  if (!scenario.planar || options.overlay) {
+    add_poses(poses, scenario, evaluator.reference().trace, rows, options.film);
   }
+  if (scenario.planar) add_poses(poses, scenario, run.trace, rows, options.film);
   return poses;
+}
+
+/// What went wrong in a run, or was left out of its pictures.
+void warn(const catalogue::Evaluation& run, const std::string& times_cut_off) {
+  if (!times_cut_off.empty()) {
+    std::cerr << "odeval: " << run.method->name
+              << ": the picture does not hold all of the bodies at t = " << times_cut_off
+              << " s; --camera sees more from farther away\n";
+  }
+  if (const std::string why = suspicion(run.outcome); !why.empty()) {
+    std::cerr << "odeval: " << run.method->name << " is suspect: " << why << '\n';
+  }
+  if (run.outcome.diverged) {
+    std::cerr << "odeval: " << run.method->name << " diverged: " << run.outcome.reason
+              << "; there are no pictures after that\n";
+  }
 }
 
 int snapshot(const Options& options) {
@@ -252,13 +278,12 @@ int snapshot(const Options& options) {
   if (rows.empty() && !options.film) throw UserError("--times: names no time; give --times T1[,T2...] in s, or --film");
   if (rows.empty() && options.sheet) throw UserError("--sheet: needs --times T1[,T2...] in s");
 
-  render::Studio studio(scenario, view, size.width, size.height, render::caption_font(),
-                        shown_poses(evaluator, rows, options.film));
-  if (options.sheet && !studio.has_room_for(rows.size())) {
+  if (options.sheet && !render::fit_on_sheet(rows.size(), size.width, size.height)) {
     throw UserError(
         fmt::format("--times: {} poses do not fit on a sheet of --size {}; fewer times or a larger size will",
                     rows.size(), options.size));
   }
+  std::optional<render::Studio> studio;
   bool diverged = false;
   std::vector<std::string> written;
   {
@@ -266,23 +291,19 @@ int snapshot(const Options& options) {
     for (const catalogue::Method* method : methods) {
       progress.next(scenario.name + " " + std::string(method->name));
       const catalogue::Evaluation run = evaluator.evaluate(*method);
-      Album album(options, evaluator, run, studio);
+      const std::vector<render::Pose> shown = shown_poses(evaluator, run, rows, options);
+      if (!studio) {
+        studio.emplace(scenario, view, size.width, size.height, render::caption_font(), shown);
+      } else {
+        studio->restage(scenario, shown);
+      }
+      Album album(options, evaluator, run, *studio);
       if (options.sheet) album.sheet(rows);
       if (!options.sheet) album.pictures(rows);
       if (options.film) album.film();
       std::ranges::copy(album.written(), std::back_inserter(written));
-      if (const std::string times = album.cut_off(rows); !times.empty()) {
-        std::cerr << "odeval: " << method->name << ": the picture does not hold all of the bodies at t = " << times
-                  << " s; --camera sees more from farther away\n";
-      }
-      if (const std::string why = suspicion(run.outcome); !why.empty()) {
-        std::cerr << "odeval: " << method->name << " is suspect: " << why << '\n';
-      }
-      if (run.outcome.diverged) {
-        diverged = true;
-        std::cerr << "odeval: " << method->name << " diverged: " << run.outcome.reason
-                  << "; there are no pictures after that\n";
-      }
+      warn(run, album.cut_off(rows));
+      diverged = diverged || run.outcome.diverged;
     }
   }
   if (!options.quiet) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace odeval::render {
 namespace {
@@ -33,11 +32,17 @@ BodyStage::BodyStage(const Scenario& scenario, std::span<const Pose> shown)
   }
   Vec3 low{far_m, far_m, far_m};
   Vec3 high{-far_m, -far_m, -far_m};
-  if (pin_) low = high = *pin_;
+  if (pin_) {
+    low = high = *pin_;
+    extent_.push_back(*pin_);
+  }
   const auto hold = [&](const Pose& pose) {
     const Vec3 by = shift(pose);
     for (std::size_t i = 0; i < pose.size(); ++i) {
       if (!drawable(pose[i])) continue;
+      LinkPose seen = pose[i];
+      seen.centre_m = seen.centre_m + by;
+      std::ranges::copy(corners_of(seen, half(i)), std::back_inserter(extent_));
       for (std::size_t k = 0; k < 3; ++k) {
         low[k] = std::min(low[k], pose[i].centre_m[k] + by[k] - radius(i));
         high[k] = std::max(high[k], pose[i].centre_m[k] + by[k] + radius(i));
@@ -46,6 +51,7 @@ BodyStage::BodyStage(const Scenario& scenario, std::span<const Pose> shown)
   };
   for (const Pose& pose : shown) hold(pose);
   if (low[0] > high[0]) low = high = {};  // nothing that could be drawn
+  if (extent_.empty()) extent_.push_back(low);
   const Vec3 centre = 0.5 * (low + high);
   reach_m_ = std::max(length(high - low) / 2, 1e-3);
   frame_.hinge_m = centre;
@@ -78,17 +84,6 @@ Vec3 BodyStage::shift(const Pose& pose) const { return free_ ? -1 * middle_of(po
 Pose BodyStage::moved(Pose pose, const Vec3& by) const {
   for (LinkPose& body : pose) body.centre_m = body.centre_m + by;
   return pose;
-}
-
-std::vector<Vec3> BodyStage::extent() const {
-  std::vector<Vec3> points;
-  for (int k = 0; k < 48; ++k) {
-    const double angle = 2 * std::numbers::pi * k / 48;
-    for (const Vec3& side : {frame_.up, frame_.axis()}) {
-      points.push_back(frame_.hinge_m + reach_m_ * (std::cos(angle) * frame_.horizontal + std::sin(angle) * side));
-    }
-  }
-  return points;
 }
 
 bool BodyStage::inside(const Camera& camera, const Pose& pose) const {

@@ -13,7 +13,7 @@ class BodyStage final : public Stage {
   BodyStage(const Scenario& scenario, std::span<const Pose> shown);
 
   const PlanarFrame& frame() const override { return frame_; }
-  std::vector<Vec3> extent() const override;
+  const std::vector<Vec3>& extent() const override { return extent_; }
   bool inside(const Camera& camera, const Pose& pose) const override;
   std::vector<Layer> layers(const Camera& camera, const Pose& pose, const Pose* outline) const override;
 
@@ -28,6 +28,7 @@ class BodyStage final : public Stage {
 
   std::vector<Body> bodies_;
   PlanarFrame frame_;  // its hinge is the middle of what is shown
+  std::vector<Vec3> extent_;
   double reach_m_ = 0;
   bool free_;                // nothing holds them in the world
   std::optional<Vec3> pin_;  // of a joint to the world

@@ -67,6 +67,14 @@ void paint_layer(const Layer& layer, StencilPasses& passes) {
   glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(layer.triangles.size()));
 }
 
+/// What two rectangles share; of no width or height where they share nothing.
+Tile shared(const Tile& a, const Tile& b) {
+  const int left = std::max(a.x, b.x);
+  const int top = std::max(a.y, b.y);
+  return {left, top, std::max(0, std::min(a.x + a.width, b.x + b.width) - left),
+          std::max(0, std::min(a.y + a.height, b.y + b.height) - top)};
+}
+
 /// Means of samples x samples; OpenGL's rows start at the bottom.
 void shrink(const std::vector<std::uint8_t>& from, const Tile& tile, Image& to) {
   const std::size_t stride = 4 * static_cast<std::size_t>(samples) * static_cast<std::size_t>(tile.width);
@@ -94,7 +102,8 @@ void shrink(const std::vector<std::uint8_t>& from, const Tile& tile, Image& to) 
 class GlPainter final : public Painter {
  public:
   GlPainter(int width, int height);
-  Image paint(std::span<const Layer> layers, const Camera& camera) override;
+  using Painter::paint;
+  Image paint(std::span<const Layer> layers, const Camera& camera, const Tile& wanted) override;
   std::string version() const override { return reinterpret_cast<const char*>(glGetString(GL_VERSION)); }
 
  private:
@@ -108,6 +117,7 @@ GlPainter::GlPainter(int width, int height)
   glDisable(GL_DITHER);
   glDisable(GL_LIGHTING);
   glEnable(GL_BLEND);
+  glEnable(GL_SCISSOR_TEST);
   glDepthFunc(GL_LEQUAL);
   glClearColor(1, 1, 1, 1);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
@@ -115,24 +125,30 @@ GlPainter::GlPainter(int width, int height)
   glEnableClientState(GL_COLOR_ARRAY);
 }
 
-Image GlPainter::paint(std::span<const Layer> layers, const Camera& camera) {
+Image GlPainter::paint(std::span<const Layer> layers, const Camera& camera, const Tile& wanted) {
   Image image(camera.width(), camera.height());
   const int across = part(camera.width());
   const int down = part(camera.height());
   for (int y = 0; y < image.height(); y += down) {
     for (int x = 0; x < image.width(); x += across) {
       const Tile tile{x, y, std::min(across, image.width() - x), std::min(down, image.height() - y)};
+      const Tile here = shared(tile, wanted);
+      if (here.width == 0 || here.height == 0) continue;
+      const int left = samples * (here.x - tile.x);
+      const int bottom = samples * (tile.y + tile.height - here.y - here.height);
+      glScissor(left, bottom, samples * here.width, samples * here.height);
       glViewport(0, 0, samples * tile.width, samples * tile.height);
       glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
       glMatrixMode(GL_PROJECTION);
       glLoadMatrixf(camera.clip_matrix(tile).data());
       StencilPasses passes;
       for (const Layer& layer : layers) paint_layer(layer, passes);
-      glReadPixels(0, 0, samples * tile.width, samples * tile.height, GL_RGBA, GL_UNSIGNED_BYTE, read_back_.data());
+      glReadPixels(left, bottom, samples * here.width, samples * here.height, GL_RGBA, GL_UNSIGNED_BYTE,
+                   read_back_.data());
       if (const GLenum error = glGetError(); error != GL_NO_ERROR) {
         throw MachineError("OpenGL error " + std::to_string(error) + " while painting");
       }
-      shrink(read_back_, tile, image);
+      shrink(read_back_, here, image);
     }
   }
   return image;

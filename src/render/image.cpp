@@ -10,6 +10,12 @@ void Image::place(const Image& other, int left, int top) {
   }
 }
 
+void Image::take(const Image& other, int left, int top, int width, int height) {
+  for (int y = top; y < top + height; ++y) {
+    std::copy_n(other.pixel(left, y), 3 * static_cast<std::size_t>(width), pixel(left, y));
+  }
+}
+
 void Image::mix(int x, int y, const Colour& colour, int cover) {
   if (x < 0 || y < 0 || x >= width_ || y >= height_) return;
   std::uint8_t* at = pixel(x, y);

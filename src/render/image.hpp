@@ -32,6 +32,9 @@ class Image {
   /// Lays another picture over this one, which it must fit into.
   void place(const Image& other, int left, int top);
 
+  /// Takes over a part of another picture of the same size.
+  void take(const Image& other, int left, int top, int width, int height);
+
   /// Mixes a colour over a pixel; outside of the picture it does nothing. `cover` from 0 to 255.
   void mix(int x, int y, const Colour& colour, int cover);
 

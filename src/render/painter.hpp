@@ -15,7 +15,11 @@ class Painter {
   virtual ~Painter() = default;
 
   /// On white. Same layers and camera, same bytes. Throws MachineError when OpenGL fails.
-  virtual Image paint(std::span<const Layer> layers, const Camera& camera) = 0;
+  Image paint(std::span<const Layer> layers, const Camera& camera) {
+    return paint(layers, camera, {0, 0, camera.width(), camera.height()});
+  }
+  /// The same bytes in that part of the picture, and nothing elsewhere.
+  virtual Image paint(std::span<const Layer> layers, const Camera& camera, const Tile& part) = 0;
 
   /// OpenGL's own words: "4.5 (Compatibility Profile) Mesa 25.0.7".
   virtual std::string version() const = 0;

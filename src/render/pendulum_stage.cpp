@@ -11,7 +11,7 @@ namespace {
 constexpr Colour wall_colour{214, 208, 198};
 }  // namespace
 
-PendulumStage::PendulumStage(const Scenario& scenario)
+PendulumStage::PendulumStage(const Scenario& scenario, std::span<const Pose> shown)
     : frame_(scenario.planar->frame), links_(scenario.planar->links) {
   double lengths = 0;
   double widest = 0;
@@ -21,19 +21,21 @@ PendulumStage::PendulumStage(const Scenario& scenario)
   }
   reach_m_ = lengths + widest / 2;
   ground_m_ = dot(frame_.hinge_m, frame_.up) - reach_m_ - lengths / 40;
-  if (!scenario.planar->wall) return;
+  if (scenario.planar->wall) wall_ = wall_of(*scenario.planar);
+  extent_ = shown.empty() ? reachable() : around(shown);
+}
 
+PendulumStage::Block PendulumStage::wall_of(const PlanarView& view) const {
   const double hinge_height = dot(frame_.hinge_m, frame_.up);
   const double top = hinge_height + reach_m_ / 2;
   const double thickness = 0.3 * reach_m_;
   const double depth = std::max(0.8 * reach_m_, 2 * links_.front().depth_m);
-  const double middle = scenario.planar->wall->face_m - thickness / 2 - dot(frame_.hinge_m, frame_.horizontal);
+  const double middle = view.wall->face_m - thickness / 2 - dot(frame_.hinge_m, frame_.horizontal);
   const Vec3 centre = frame_.hinge_m + middle * frame_.horizontal + ((top + ground_m_) / 2 - hinge_height) * frame_.up;
-  wall_ =
-      Block{{centre, frame_.up, frame_.horizontal, frame_.axis()}, {(top - ground_m_) / 2, thickness / 2, depth / 2}};
+  return {{centre, frame_.up, frame_.horizontal, frame_.axis()}, {(top - ground_m_) / 2, thickness / 2, depth / 2}};
 }
 
-std::vector<Vec3> PendulumStage::extent() const {
+std::vector<Vec3> PendulumStage::reachable() const {
   double depth = 0;
   for (const Link& link : links_) depth = std::max(depth, link.depth_m);
   std::vector<Vec3> points;
@@ -48,6 +50,27 @@ std::vector<Vec3> PendulumStage::extent() const {
     }
   }
   if (wall_) std::ranges::copy(corners_of(wall_->pose, wall_->half), std::back_inserter(points));
+  return points;
+}
+
+/// The poses, the first hinge, and as much of a wall as stands beside them. What has flown off is not followed.
+std::vector<Vec3> PendulumStage::around(std::span<const Pose> shown) const {
+  std::vector<Vec3> points{frame_.hinge_m};
+  for (const Pose& pose : shown) {
+    for (std::size_t i = 0; i < pose.size(); ++i) {
+      if (!drawable(pose[i]) || distance(pose[i].centre_m, frame_.hinge_m) > 1.1 * reach_m_) continue;
+      const Block link = block(pose, i);
+      std::ranges::copy(corners_of(link.pose, link.half), std::back_inserter(points));
+    }
+  }
+  if (!wall_) return points;
+  const auto height = [&](const Vec3& point) { return dot(point, frame_.up); };
+  const auto [low, high] = std::ranges::minmax(points, {}, height);
+  const double behind_face = dot(wall_->pose.centre_m, frame_.horizontal) + wall_->half.across / 2;
+  for (Vec3 point : {low, high}) {
+    point = point + (behind_face - dot(point, frame_.horizontal)) * frame_.horizontal;
+    points.push_back(point);
+  }
   return points;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 // Links, hinges, wall, ground, shadows.
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "render/brush.hpp"
 #include "render/scenery.hpp"
@@ -10,10 +12,10 @@ namespace odeval::render {
 
 class PendulumStage final : public Stage {
  public:
-  explicit PendulumStage(const Scenario& scenario);
+  PendulumStage(const Scenario& scenario, std::span<const Pose> shown);
 
   const PlanarFrame& frame() const override { return frame_; }
-  std::vector<Vec3> extent() const override;
+  const std::vector<Vec3>& extent() const override { return extent_; }
   bool inside(const Camera& camera, const Pose& pose) const override;
   std::vector<Layer> layers(const Camera& camera, const Pose& pose, const Pose* outline) const override;
 
@@ -23,6 +25,9 @@ class PendulumStage final : public Stage {
     BoxSize half;
   };
 
+  Block wall_of(const PlanarView& view) const;
+  std::vector<Vec3> reachable() const;
+  std::vector<Vec3> around(std::span<const Pose> shown) const;
   bool drawable(const LinkPose& link) const;
   Block block(const Pose& pose, std::size_t link) const;
   Block rod(const Pose& pose, std::size_t link) const;
@@ -40,6 +45,7 @@ class PendulumStage final : public Stage {
   double reach_m_;
   double ground_m_;  // height: a little below what links can reach; z = 0 in the report's double pendulum
   std::optional<Block> wall_;
+  std::vector<Vec3> extent_;
 };
 
 }  // namespace odeval::render

@@ -11,6 +11,7 @@ namespace odeval::render {
 namespace {
 
 constexpr int compression = 6;
+constexpr int film_compression = 4;  // files 5 % larger, in half of the time
 
 [[noreturn]] void throw_fault(png_structp, png_const_charp message) {
   throw MachineError(std::string("libpng: ") + message);
@@ -39,10 +40,10 @@ class Stream {
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
 
-  void header(int width, int height, const PngTexts& texts) {
+  void header(int width, int height, const PngTexts& texts, int level = compression) {
     png_set_IHDR(png_, info_, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), 8, PNG_COLOR_TYPE_RGB,
                  PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    png_set_compression_level(png_, compression);
+    png_set_compression_level(png_, level);
     png_set_filter(png_, PNG_FILTER_TYPE_BASE, PNG_FILTER_NONE | PNG_FILTER_SUB | PNG_FILTER_UP);
     std::vector<png_text> all;
     for (const auto& [key, text] : texts) {
@@ -131,14 +132,14 @@ std::string png(const Image& image, const PngTexts& texts) {
   return stream.take();
 }
 
-void Film::add(const Image& frame) {
+void Film::add(Image frame) {
   const Rectangle part = last_ ? changed(*last_, frame) : Rectangle{0, 0, frame.width(), frame.height()};
   Stream stream;
-  stream.header(part.width, part.height, {});
+  stream.header(part.width, part.height, {}, film_compression);
   stream.rows(frame, part.x, part.y, part.height);
   stream.end();
   parts_.push_back({part.x, part.y, part.width, part.height, image_data(stream.take())});
-  last_ = frame;
+  last_ = std::move(frame);
 }
 
 // APNG: acTL tells of the frames, fcTL goes before each, and fdAT is IDAT with a number in front.

@@ -22,7 +22,7 @@ class Film {
   Film(int rate, PngTexts texts) : rate_(rate), texts_(std::move(texts)) {}
 
   /// Frames of one size; of those after the first only the part that changed is kept.
-  void add(const Image& frame);
+  void add(Image frame);
 
   /// The bytes of the file, once all frames are in: at least one.
   std::string finish();

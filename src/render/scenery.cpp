@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace odeval::render {
 namespace {
@@ -24,15 +25,6 @@ constexpr int lamp_points = 40;
 constexpr double lamp_radius = 0.07;    // relative to its distance
 constexpr Colour shadow_step{2, 2, 2};  // taken off for each point of the lamp that is hidden
 
-/// 1, 2 or 5 times a power of ten, not above `most`.
-double round_length(double most) {
-  const double power = std::pow(10, std::floor(std::log10(most)));
-  for (const double digit : {5.0, 2.0}) {
-    if (digit * power <= most) return digit * power;
-  }
-  return power;
-}
-
 Colour faded(Colour colour, double cover) {
   colour.a = static_cast<std::uint8_t>(255 * std::clamp(cover, 0.0, 1.0) + 0.5);
   return colour;
@@ -43,6 +35,9 @@ double fade(double distance, double radius) {
   const double u = std::clamp(1 - distance / radius, 0.0, 1.0);
   return u * u * (3 - 2 * u);
 }
+
+/// Whether the outer side of a quad looks that way. By its diagonals, since a sphere's at the poles are triangles.
+bool faces(const Quad& quad, const Vec3& way) { return dot(cross(quad[2] - quad[0], quad[3] - quad[1]), way) > 0; }
 
 /// Directions to points spread evenly over a round lamp that is seen towards `towards`.
 std::vector<Vec3> lamp_directions(const Vec3& towards) {
@@ -59,12 +54,23 @@ std::vector<Vec3> lamp_directions(const Vec3& towards) {
 
 }  // namespace
 
+double round_length(double most) {
+  const double power = std::pow(10, std::floor(std::log10(most)));
+  for (const double digit : {5.0, 2.0}) {
+    if (digit * power <= most) return digit * power;
+  }
+  return power;
+}
+
 Colour colour_in_turn(std::size_t body) { return palette[body % palette.size()]; }
 
 double edge_width_px(const Camera& camera) { return std::max(0.9, camera.height() / 480.0); }
 
 void add_quads(std::vector<Quad>& quads, const LinkPose& box, const BoxSize& half) {
-  for (const Face& face : faces_of(box, half)) quads.push_back(face.corners);
+  for (const Face& face : faces_of(box, half)) {
+    Quad& quad = quads.emplace_back(face.corners);
+    if (!faces(quad, face.normal)) std::swap(quad[1], quad[3]);  // around its outer side
+  }
 }
 
 void add_quads(std::vector<Quad>& quads, const Vec3& centre, double radius) {
@@ -130,6 +136,7 @@ void add_shadows(std::vector<Layer>& layers, const std::vector<Quad>& casters, c
     const double fall = dot(plane.normal, towards);
     Layer shadow{Layer::Rule::shade, {}, within};
     for (Quad fallen : casters) {
+      if (!faces(fallen, towards)) continue;  // of a closed surface the other half hides no more
       for (Vec3& p : fallen) p = p - ((dot(plane.normal, p) - plane.offset) / fall) * towards;
       add_quad(shadow, fallen, {shadow_step, shadow_step, shadow_step, shadow_step});
     }

@@ -12,13 +12,16 @@ inline constexpr double lamp_distance = 4;  // from what it lights, in the reach
 
 inline constexpr Colour joint_colour{92, 94, 98};
 
+/// 1, 2 or 5 times a power of ten, not above `most`.
+double round_length(double most);
+
 /// Of the body of that number.
 Colour colour_in_turn(std::size_t body);
 
 /// Of edges in a picture of the camera's size.
 double edge_width_px(const Camera& camera);
 
-using Quad = std::array<Vec3, 4>;  // corners in order around a flat face
+using Quad = std::array<Vec3, 4>;  // corners in order around a flat face, to the left as seen from outside
 
 void add_quads(std::vector<Quad>& quads, const LinkPose& box, const BoxSize& half);
 void add_quads(std::vector<Quad>& quads, const Vec3& centre, double radius);  // of a sphere

@@ -7,7 +7,7 @@ namespace odeval::render {
 
 std::unique_ptr<Stage> make_stage(const Scenario& scenario, std::span<const Pose> shown) {
   if (!scenario.planar) return std::make_unique<BodyStage>(scenario, shown);
-  return std::make_unique<PendulumStage>(scenario);
+  return std::make_unique<PendulumStage>(scenario, shown);
 }
 
 }  // namespace odeval::render

@@ -19,7 +19,7 @@ class Stage {
   virtual const PlanarFrame& frame() const = 0;
 
   /// Points around all that will be seen.
-  virtual std::vector<Vec3> extent() const = 0;
+  virtual const std::vector<Vec3>& extent() const = 0;
 
   /// Whether all of the bodies are drawn, and within the picture.
   virtual bool inside(const Camera& camera, const Pose& pose) const = 0;
@@ -29,8 +29,8 @@ class Stage {
   virtual std::vector<Layer> layers(const Camera& camera, const Pose& pose, const Pose* outline) const = 0;
 };
 
-/// `shown` are poses that pictures will show, or poses near them: where bodies will be, only they tell. A pendulum
-/// keeps within its links' reach.
+/// `shown` are poses that pictures will show, or poses near them, which the camera then holds. Without them it holds
+/// all that a pendulum can reach; where bodies will be, only they tell.
 std::unique_ptr<Stage> make_stage(const Scenario& scenario, std::span<const Pose> shown);
 
 }  // namespace odeval::render

@@ -35,6 +35,9 @@ struct Panel {
 /// Panels as large as they get, row by row; none when they would be smaller than `least_size`.
 std::vector<Panel> sheet_panels(std::size_t shots, int width, int height);
 
+/// Whether so many shots find room on a sheet of that size.
+bool fit_on_sheet(std::size_t shots, int width, int height);
+
 /// Draws pictures of one scenario, all from the same place and of one size.
 class Studio {
  public:
@@ -46,13 +49,19 @@ class Studio {
   /// Of what is seen on a stage of its own.
   Studio(std::unique_ptr<Stage> stage, const View& view, int width, int height, const std::filesystem::path& font);
 
+  /// Other poses will be shown: the camera holds those, in what it has of OpenGL.
+  void restage(const Scenario& scenario, std::span<const Pose> shown) {
+    stage_ = make_stage(scenario, shown);
+    still_.reset();
+  }
+
   /// Whether a picture holds all of the links or bodies.
   bool shows(const Pose& pose) const;
 
   Image picture(const Shot& shot, const Caption& caption);
 
-  /// Whether so many shots find room on a sheet.
-  bool has_room_for(std::size_t shots) const { return !sheet_panels(shots, width_, height_ - strip_).empty(); }
+  /// The same bytes, faster where there are many: what does not move is painted once.
+  Image frame(const Shot& shot, const Caption& caption);
 
   /// Shots that have room, in order.
   Image sheet(std::span<const Shot> shots, const Caption& caption);
@@ -64,7 +73,14 @@ class Studio {
   Camera camera(int width, int height) const { return {stage_->frame(), view_, stage_->extent(), width, height}; }
 
  private:
+  /// What stands still in every picture.
+  struct Still {
+    std::vector<Layer> layers;
+    Image image;
+  };
+
   Image scene(const Shot& shot, int width, int height);
+  void write_scale(Image& image, const Tile& scene) const;
   void write_caption(Image& image, const Caption& caption) const;
 
   std::unique_ptr<Stage> stage_;
@@ -74,6 +90,7 @@ class Studio {
   int strip_;  // height of the caption's strip
   Font font_;
   std::unique_ptr<Painter> painter_;
+  std::optional<Still> still_;  // painted when the first frame asks for it
 };
 
 }  // namespace odeval::render

@@ -8,6 +8,9 @@
 #include <string_view>
 #include <tuple>
 
+#include "catalogue/paths.hpp"
+#include "model/find_scenario.hpp"
+#include "model/read_scenario.hpp"
 #include "odeval/error.hpp"
 #include "render/png.hpp"
 #include "render/studio.hpp"
@@ -285,6 +288,74 @@ void same_bytes() {
   CHECK(bytes(again, 300) == first);
 }
 
+/// Frames of a film, of which only what moves is painted, are whole pictures: with a wall, on a ground, in free flight,
+/// in several tiles, with an outline.
+void frames_are_pictures() {
+  for (const char* name : {"wall_pendulum", "double_pendulum", "bouncing_ball", "free_box"}) {
+    Names names{catalogue::method_names(), {}};
+    for (const Quantity& row : quantities) names.metrics.emplace_back(row.name);
+    catalogue::Evaluator evaluator(read_scenario(find_scenario(name, catalogue::scenario_folder()),
+                                                 {{"duration", "0.5", ""}, {"step", "0.001", ""}}, names));
+    const Scenario& scenario = evaluator.scenario();
+    const Trace trace = evaluator.evaluate(catalogue::find_method("ode-step-double")).trace;
+    const std::vector<Pose> shown{pose_at(scenario, trace, 0), pose_at(scenario, trace, 500)};
+    for (const auto& [width, height] : {std::pair{400, 300}, {1300, 200}}) {
+      Studio studio(scenario, corner, width, height, caption_font(), shown);
+      for (const std::size_t row : {0U, 200U, 500U}) {
+        Shot shot = shot_of(scenario, trace, row);
+        if (row == 200) shot.outline = pose_at(scenario, trace, 100);
+        CHECK(studio.frame(shot, {"a", "b"}) == studio.picture(shot, {"a", "b"}));
+      }
+    }
+  }
+}
+
+/// The poses that are shown fill the picture, from margin to margin, across or upright; and the bar in the corner is as
+/// long as its label says where the camera looks.
+void poses_fill_the_picture() {
+  catalogue::Evaluator evaluator(odeval::test::report_scenario("double_pendulum", 1.0, 1e-3));
+  const Scenario& scenario = evaluator.scenario();
+  const Trace trace = evaluator.evaluate(catalogue::find_method("ode-step-double")).trace;
+  const std::vector<Pose> shown{pose_at(scenario, trace, 0), pose_at(scenario, trace, 700)};
+  Studio studio(scenario, front, 800, 600, caption_font(), shown);
+  const Tile above = studio.above_caption();
+  const Camera camera = studio.camera(above.width, above.height);
+  double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
+  for (const std::size_t row : {0U, 700U}) {
+    const std::vector<Segment> links = segments(scenario, trace, row);
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      for (const double side : {-0.5, 0.5}) {
+        for (const Vec3& end : {links[i].near, links[i].far}) {
+          const Pixel at = camera.project(end + (side * scenario.planar->links[i].width_m) * links[i].across);
+          left = std::min(left, at.x);
+          right = std::max(right, at.x);
+          top = std::min(top, at.y);
+          bottom = std::max(bottom, at.y);
+        }
+      }
+    }
+  }
+  // 94 % between the margins; a link's nearer face looks a little larger than its middle.
+  const double across = (right - left) / above.width;
+  const double upright = (bottom - top) / above.height;
+  CHECK_BETWEEN(std::max(across, upright), 0.9, 0.95);
+  CHECK_BETWEEN(std::min({left, above.width - right, top, above.height - bottom}), 0, 0.06 * above.width);
+  const Vec3 hinge = scenario.frame().hinge_m;
+  const double metre = (camera.project(hinge + 0.1 * scenario.frame().horizontal).x - camera.project(hinge).x) / 0.1;
+  double bar = 0;  // the longest of these that is no longer than a fifth of the picture
+  for (const double length : {0.05, 0.1, 0.2, 0.5, 1.0}) bar = length * metre <= above.width / 5.0 ? length : bar;
+  const Image image = studio.picture({{}, {}, ""}, {"", ""});
+  int longest = 0;  // dark row in the lower left corner
+  for (int y = above.height - 60; y < above.height; ++y) {
+    int run = 0;
+    for (int x = 0; x < above.width / 2; ++x) {
+      run = image.at(x, y).r < 60 ? run + 1 : 0;
+      longest = std::max(longest, run);
+    }
+  }
+  CHECK_NEAR(longest, bar * metre, 2);
+}
+
 /// Chunks of a PNG file, in order.
 std::vector<std::pair<std::string, std::string>> chunks(const std::string& file) {
   std::vector<std::pair<std::string, std::string>> all;
@@ -519,8 +590,8 @@ void sheets() {
     }
     CHECK(dark > 20);
   }
-  CHECK(studio.has_room_for(rows.size()));
-  CHECK(!studio.has_room_for(5000));
+  CHECK(fit_on_sheet(rows.size(), 800, 600));
+  CHECK(!fit_on_sheet(5000, 800, 600));
 }
 
 /// Along the edges of the boxes of a pose, how many of the points are magenta.
@@ -621,6 +692,8 @@ int main(int argc, char** argv) {
   nearer_hides_farther();
   hopeless_poses_are_left_out();
   same_bytes();
+  frames_are_pictures();
+  poses_fill_the_picture();
   files_hold_picture_and_texts();
   film_is_a_whole_apng();
   unequal_links();
