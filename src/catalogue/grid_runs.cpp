@@ -34,6 +34,13 @@ bool same_times(const SampleGrid& a, const SampleGrid& b) {
 
 }  // namespace
 
+Scenario with_enough_rows(Scenario scenario) {
+  const double steps = std::ceil(scenario.duration_s / scenario.step_s * (1 - 1e-12));
+  const double stride = std::ceil(steps / static_cast<double>(enough_rows));
+  if (stride > 1) scenario.sample_s = stride * scenario.step_s;
+  return scenario;
+}
+
 GridRuns::GridRuns(const ScenarioFile& file, std::vector<Override> settings, Names names, sweep::Grid grid)
     : file_(file), settings_(std::move(settings)), names_(std::move(names)), grid_(std::move(grid)) {}
 
@@ -45,12 +52,7 @@ Scenario GridRuns::scenario(long run) const {
   }
   Scenario scenario = file_.read(settings, names_);
   scenario.tolerances.clear();
-  if (!scenario.sample_s) {
-    const double steps = std::ceil(scenario.duration_s / scenario.step_s * (1 - 1e-12));
-    const double stride = std::ceil(steps / static_cast<double>(enough_rows));
-    if (stride > 1) scenario.sample_s = stride * scenario.step_s;
-  }
-  return scenario;
+  return scenario.sample_s ? scenario : with_enough_rows(std::move(scenario));
 }
 
 std::vector<std::uint32_t> GridRuns::groups(const std::function<void(long run)>& checked) {

@@ -15,6 +15,9 @@ namespace odeval::catalogue {
 /// Rows that a run of a sweep records where nothing says `sample`: more cost time and memory and show no more.
 inline constexpr long enough_rows = 10'000;
 
+/// The same with a `sample` of at most so many intervals, where every step would be more.
+Scenario with_enough_rows(Scenario scenario);
+
 class GridRuns {
  public:
   /// The last axis of the grid is the method, by name; the others are keys of the file, on top of the settings.

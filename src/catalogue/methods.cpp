@@ -116,7 +116,7 @@ std::vector<Method> methods_of_bodies() {
       {"maximal-rk4", multipliers, "classical Runge-Kutta, fixed step", 4, 0, 0, two_links, reference::make_maximal_rk4,
        feedback_settings(), planar_joints},
       {"maximal-ode-step", "one dWorldStep rebuilt", "ODE's own scheme, fixed step", 1, 0, 0, chain_or_one_at_wall,
-       reference::make_maximal_ode_step, step_settings(), hinge_rows_cfm},
+       reference::make_maximal_ode_step, rebuilt_step_settings(), hinge_rows_cfm},
       {"mechanism-cvode", "Simbody's equations of a tree", "SUNDIALS CVODE, Adams: the reference of trees of bodies", 0,
        tight.rtol, tight.atol, any_chain | driven_bodies | Features{Feature::ground}, reference::mechanism_cvode,
        tolerance_settings(), mass_matrix,
@@ -151,6 +151,11 @@ bool reads(const Method& method, std::string_view key, const Scenario& scenario)
 }
 
 bool has_half_step_start(const Method& method) { return has_setting(method, "ode.start"); }
+
+bool is_plain_ode(std::string_view method) {
+  const auto found = std::ranges::find(methods(), method, &Method::name);
+  return found != methods().end() && method.starts_with("ode-") && has_half_step_start(*found);
+}
 
 bool is_engine_setting(std::string_view key) {
   return std::ranges::any_of(methods(), [&](const Method& method) { return has_setting(method, key); });

@@ -23,6 +23,9 @@ bool reads(const Method& method, std::string_view key, const Scenario& scenario)
 /// half-step start is for it.
 bool has_half_step_start(const Method& method);
 
+/// Whether it is ODE's own stepping, `dWorldStep` or `dWorldQuickStep`, which every program with ODE can call.
+bool is_plain_ode(std::string_view method);
+
 /// Whether a key is a setting of some method's engine.
 bool is_engine_setting(std::string_view key);
 

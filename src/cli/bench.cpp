@@ -23,6 +23,7 @@ namespace {
 
 /// One scenario in the methods chosen for it.
 struct Plan {
+  std::string name_or_path;
   catalogue::Evaluator evaluator;
   std::vector<const catalogue::Method*> methods;
 };
@@ -40,7 +41,7 @@ std::vector<Plan> plans_of(const BenchOptions& options) {
       throw UserError(name + ": a second scenario named '" + scenario.name + "'; give each a name of its own");
     }
     chosen.push_back({scenario, chosen_methods(options.methods, scenario)});
-    plans.push_back({catalogue::Evaluator(scenario), chosen.back().methods});
+    plans.push_back({name, catalogue::Evaluator(scenario), chosen.back().methods});
   }
   require_read(options.settings.overrides(), chosen);
   return plans;
@@ -118,7 +119,13 @@ std::vector<EqualErrorRow> at_equal_error(const Plan& plan, const BenchOptions& 
                     scenario.name + "' knows until " + number_text(until_s) + " s, " +
                     number_text(accuracy.uncertainty()) + " rad");
   }
-  return catalogue::at_equal_error(accuracy, scenario.name, plan.methods, {options.equal_error, options.repeats},
+  const std::filesystem::path path = scenario_file(plan.name_or_path);
+  const ScenarioFile file(path, options.settings.import_options(path));
+  const catalogue::EqualError wanted{options.equal_error, options.repeats};
+  catalogue::SettingsSearch search(
+      file, options.settings.overrides(), known_names(),
+      {{{quantity::max_error_q, options.equal_error}}, until_s, wanted.most_steps_tried, false});
+  return catalogue::at_equal_error(search, plan.methods, wanted,
                                    [&](const std::string& what) { progress.next(scenario.name + " " + what); });
 }
 

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <tuple>
 
 #include "catalogue/versions.hpp"
 #include "cli/flags.hpp"
@@ -30,7 +31,10 @@ constexpr std::array table{
     Command{"audit", "how wrong is a running ODE program? It is run unchanged and at smaller steps", attach_audit},
     Command{"judge", "a trace of one's own beside a scenario's reference, or beside its run at half the step",
             attach_judge},
+    Command{"plot", "any columns of any traces as SVG or PNG, or their difference from the reference", attach_plot},
     Command{"report", "all of it, and the verdicts on the 2010 report's claims, as one page", attach_report},
+    Command{"completion", "what a shell completes commands, flags and names from", attach_completion},
+    Command{"manual", "the manual page: odeval manual | man -l -", attach_manual},
 };
 
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
@@ -73,6 +77,21 @@ std::string in_plain_words(const CLI::ParseError& error) {
   throw UserError(in_plain_words(error) + "; '" + who + " --help' shows how");
 }
 
+/// "TEXT:{a, b}" is a value of those choices, "DIR" one of any text.
+std::pair<std::string, std::vector<std::string>> value_and_choices(const std::string& type) {
+  const std::size_t brace = type.find(":{");
+  if (brace == std::string::npos) return {type, {}};
+  std::vector<std::string> choices(1);
+  for (const char letter : type.substr(brace + 2, type.find('}') - brace - 2)) {
+    if (letter == ',') {
+      choices.emplace_back();
+    } else if (letter != ' ') {
+      choices.back() += letter;
+    }
+  }
+  return {"WORD", choices};
+}
+
 }  // namespace
 
 std::span<const Command> commands() { return table; }
@@ -85,11 +104,38 @@ CommandLine::CommandLine()
   for (const Command& row : table) {
     CLI::App* part = app_->add_subcommand(std::string(row.name), std::string(row.summary));
     Flags flags(*part);
-    actions_.emplace_back(part, row.attach(flags));
+    const Action action = row.attach(flags);
+    actions_.emplace_back(part, [action, flags] {
+      try {
+        return action();
+      } catch (const UserError& error) {
+        throw UserError(flags.retold(error.what()));
+      }
+    });
   }
 }
 
 CommandLine::~CommandLine() = default;
+
+std::vector<CommandHelp> CommandLine::help() const {
+  std::vector<CommandHelp> all;
+  for (const auto& [part, action] : actions_) {
+    CommandHelp& command = all.emplace_back(CommandHelp{part->get_name(), part->get_description(), {}});
+    for (const CLI::Option* option : part->get_options()) {
+      if (option->get_group().empty() || option == part->get_help_ptr()) continue;
+      FlagHelp flag;
+      flag.argument = option->get_positional();
+      flag.name = flag.argument ? option->get_name() : "--" + option->get_lnames().front();
+      std::tie(flag.value, flag.choices) =
+          value_and_choices(option->get_type_size() == 0 ? "" : option->get_type_name());
+      flag.meaning = option->get_description();
+      flag.group = option->get_group();
+      flag.required = option->get_required();
+      command.flags.push_back(std::move(flag));
+    }
+  }
+  return all;
+}
 
 Action CommandLine::read(std::vector<std::string> words) {
   std::ranges::reverse(words);  // as the parser wants them

@@ -27,6 +27,23 @@ struct Command {
 
 std::span<const Command> commands();
 
+/// A flag or an argument, as the help says it.
+struct FlagHelp {
+  std::string name;   // "--until", "SCENARIO"
+  std::string value;  // "T"; empty: it takes none
+  std::string meaning;
+  std::string group;                 // its heading
+  std::vector<std::string> choices;  // what a value may be; empty: anything
+  bool argument = false;             // without dashes
+  bool required = false;
+};
+
+struct CommandHelp {
+  std::string name;
+  std::string summary;
+  std::vector<FlagHelp> flags;
+};
+
 /// The program's command line: every command with its flags.
 class CommandLine {
  public:
@@ -37,6 +54,9 @@ class CommandLine {
 
   /// What the words after the program's name ask for, not yet done. Throws UserError.
   Action read(std::vector<std::string> words);
+
+  /// What `--help` says, for whoever says it otherwise.
+  std::vector<CommandHelp> help() const;
 
  private:
   std::unique_ptr<CLI::App> app_;
@@ -55,6 +75,9 @@ Action attach_compare(Flags& flags);
 Action attach_convert(Flags& flags);
 Action attach_audit(Flags& flags);
 Action attach_judge(Flags& flags);
+Action attach_plot(Flags& flags);
+Action attach_completion(Flags& flags);
+Action attach_manual(Flags& flags);
 Action attach_report(Flags& flags);
 
 }  // namespace odeval::cli

@@ -104,6 +104,10 @@ Flag Flags::add_option(const std::string& name, int& value, const std::string& m
   return Flag(app_.add_option(name, value, meaning));
 }
 
+Flag Flags::add_option(const std::string& name, long& value, const std::string& meaning) {
+  return Flag(app_.add_option(name, value, meaning));
+}
+
 Flag Flags::add_flag(const std::string& name, bool& value, const std::string& meaning) {
   return Flag(app_.add_flag(name, value, meaning));
 }

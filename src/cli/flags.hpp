@@ -53,13 +53,20 @@ class Flags {
   Flag add_option(const std::string& name, std::vector<std::string>& values, const std::string& meaning);
   Flag add_option(const std::string& name, double& value, const std::string& meaning);
   Flag add_option(const std::string& name, int& value, const std::string& meaning);
+  Flag add_option(const std::string& name, long& value, const std::string& meaning);
   Flag add_flag(const std::string& name, bool& value, const std::string& meaning);
+
+  /// How the command tells of a fault that names a file and a key, where a flag gave the key.
+  using Retell = std::function<std::string(const std::string& message)>;
+  void retell(Retell retell) { retell_ = std::move(retell); }
+  std::string retold(const std::string& message) const { return retell_ ? retell_(message) : message; }
 
   /// Leaves a flag out of the help, if there is one of that name.
   void hide(const std::string& name);
 
  private:
   CLI::App& app_;
+  Retell retell_;
 };
 
 }  // namespace odeval::cli

@@ -10,6 +10,7 @@
 #include "cli/commands.hpp"
 #include "cli/flags.hpp"
 #include "cli/settings.hpp"
+#include "cli/trace_files.hpp"
 #include "odeval/error.hpp"
 #include "output/number.hpp"
 #include "output/table.hpp"
@@ -26,20 +27,6 @@ struct Options {
   Settings settings;
   bool json = false;
 };
-
-/// Distance of the rows, which must be even and begin at 0.
-double spacing(const Column& t, const std::string& name) {
-  if (t.size() < 2) throw UserError(name + ": must have a column t with two rows or more");
-  const double dt = t[1] - t[0];
-  for (std::size_t row = 0; row < t.size(); ++row) {
-    constexpr double rounding = 1e-6;  // of a spacing: files have as few digits as their writers like
-    if (dt > 0 && std::fabs(t[row] - static_cast<double>(row) * dt) <= rounding * dt * static_cast<double>(row + 1))
-      continue;
-    throw UserError(fmt::format("{}:{}: t = {} must be {}: times begin at 0 and go in even steps", name, row + 2,
-                                number_text(t[row]), number_text(static_cast<double>(row) * dt)));
-  }
-  return dt;
-}
 
 Trace read_trace(const std::string& file) {
   const CsvColumns columns = read_csv(file);
@@ -63,13 +50,8 @@ std::vector<double> times_within(double end) {
 int beside_reference(const Options& options) {
   Trace trace = read_trace(options.trace);
   const double dt = spacing(trace.t, options.trace);
-  std::vector<Override> settings = options.settings.overrides();
-  refuse_searched(settings, std::array<std::string_view, 3>{"step", "duration", "sample"}, "the trace");
   const double end = dt * static_cast<double>(trace.rows() - 1);
-  settings.push_back({"step", number_text(dt), options.trace});
-  settings.push_back({"sample", number_text(dt), options.trace});
-  settings.push_back({"duration", number_text(end), options.trace});
-  catalogue::Evaluator evaluator(read_scenario(scenario_file(options.scenario), settings, known_names()));
+  catalogue::Evaluator evaluator = evaluator_at(options.scenario, options.settings, dt, trace.rows(), options.trace);
   const SampleGrid& grid = evaluator.grid();
   for (std::size_t row = 0; row < trace.rows(); ++row) trace.t[row] = grid.time(static_cast<long>(row));
   catalogue::ForeignTrace foreign(std::move(trace), evaluator, options.trace);

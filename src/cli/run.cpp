@@ -4,12 +4,14 @@
 #include "catalogue/evaluation.hpp"
 #include "cli/commands.hpp"
 #include "cli/flags.hpp"
+#include "cli/plot.hpp"
 #include "cli/progress.hpp"
 #include "cli/robots.hpp"
 #include "cli/run_files.hpp"
 #include "cli/settings.hpp"
 #include "odeval/error.hpp"
 #include "output/file.hpp"
+#include "output/number.hpp"
 #include "output/run_report.hpp"
 
 namespace odeval::cli {
@@ -20,6 +22,7 @@ struct Options {
   std::vector<std::string> methods;
   Settings settings;
   std::string out = "results";
+  std::vector<std::string> plot;  // columns
   bool quiet = false;
   bool json = false;
 };
@@ -39,7 +42,29 @@ std::optional<double> half_step_leaves(const std::vector<RunSummary>& runs) {
   return std::nullopt;
 }
 
+/// DIR/SCENARIO/plot.svg, from the traces that were just written.
+void draw(const std::vector<const catalogue::Method*>& methods, const Options& options, const Scenario& scenario,
+          const std::filesystem::path& place) {
+  std::vector<DrawnTrace> traces;
+  for (const catalogue::Method* method : methods) {
+    const std::filesystem::path file = place / (std::string(method->name) + ".csv");
+    traces.push_back({file.string(), std::string(method->name), read_csv(file)});
+  }
+  PlotRequest request{options.plot};
+  request.title = scenario.name + ", h = " + number_text(scenario.step_s) + " s";
+  draw_traces(traces, request, place / "plot.svg");
+}
+
+void require_columns(const std::vector<std::string>& plot) {
+  for (const std::string& panel : plot) {
+    for (const std::string& name : columns_of(panel)) {
+      if (trace_column_of(name) == nullptr) throw UserError("--plot " + name + ": no trace has such a column");
+    }
+  }
+}
+
 int run(const Options& options) {
+  require_columns(options.plot);
   const std::filesystem::path file = scenario_file(options.scenario);
   const Scenario scenario = options.settings.read_file(file);
   const auto methods = chosen_methods(options.methods, scenario);
@@ -78,6 +103,7 @@ int run(const Options& options) {
     std::cout << run_report(summaries, ns_per_step, evaluator.reference(), half_step_leaves(summaries)) << "\nwrote "
               << place.string() << "/\n";
   }
+  if (!options.plot.empty()) draw(methods, options, scenario, place);
   return diverged ? 1 : 0;
 }
 
@@ -88,6 +114,12 @@ Action attach_run(Flags& flags) {
   flags.add_option("SCENARIO", options->scenario, "a name ('odeval list') or a .toml, .urdf or .sdf file").required();
   add_method_option(flags, options->methods);
   add_out_option(flags, options->out);
+  flags
+      .add_option("--plot", options->plot,
+                  "draw these columns of the traces as DIR/SCENARIO/plot.svg; C1+C2: in one panel")
+      .type_name("C1[,C2...]")
+      .delimiter(',')
+      .one_value();
   flags.add_flag("--quiet", options->quiet, "no table, no progress");
   flags.add_flag("--json", options->json, "summaries for programs instead of the table");
   options->settings.attach(flags);

@@ -58,7 +58,19 @@ std::string_view trimmed(std::string_view word) {
 
 }  // namespace
 
+// What is checked late, when a reference is made, knows the file that was read and not who gave the key.
+std::string Settings::retold(const std::string& message) const {
+  const std::size_t colon = message.find(": ");
+  if (colon == message.npos || message.starts_with("--")) return message;
+  const std::string rest = message.substr(colon + 2);
+  const std::string key = rest.substr(0, rest.find(' '));
+  const std::vector<Override> all = overrides();
+  const auto gave = std::ranges::find_if(all, [&](const Override& setting) { return overlap(setting.key, key); });
+  return gave == all.end() ? message : typed(*gave) + ": " + rest;
+}
+
 void Settings::attach(Flags& flags) {
+  flags.retell([this](const std::string& message) { return retold(message); });
   for (const char* key : flag_keys) {
     const KeyRow& row = row_of(key);
     KeyFlag& added = flags_.emplace_back(KeyFlag{flag_of(key), key, "", Flag(nullptr)});
@@ -71,6 +83,11 @@ void Settings::attach(Flags& flags) {
       .one_value()
       .group("Settings, each on top of the scenario file");
   robot_.attach(flags);
+}
+
+std::string as_flag(const std::string& key, const std::string& value) {
+  const bool has_flag = std::ranges::find(flag_keys, key) != flag_keys.end();
+  return has_flag ? flag_of(key) + " " + value : "--set " + key + "=" + value;
 }
 
 std::filesystem::path scenario_file(const std::string& name_or_path) {

@@ -31,6 +31,9 @@ class Settings {
   /// The flags that were typed, in the order in which they count. Throws UserError where two give the same key.
   std::vector<Override> overrides() const;
 
+  /// "FILE: KEY must ..." as "--set KEY=VALUE: KEY must ...", where a flag gave the key; else as it is.
+  std::string retold(const std::string& message) const;
+
  private:
   struct KeyFlag {
     std::string name;
@@ -65,6 +68,9 @@ void require_read(const std::vector<Override>& settings, std::span<const Chosen>
 /// Throws UserError for a setting that a search chooses itself: a key of `searched`. `who` chooses it.
 void refuse_searched(const std::vector<Override>& settings, std::span<const std::string_view> searched,
                      const std::string& who);
+
+/// What has to be typed for a setting: `--erp 1`, or `--set ode.rotation=finite` where a key has no flag of its own.
+std::string as_flag(const std::string& key, const std::string& value);
 
 /// The file of a scenario by name or path. Throws UserError.
 std::filesystem::path scenario_file(const std::string& name_or_path);

@@ -132,7 +132,7 @@ void remove_parts(const fs::path& journal) {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(journal.parent_path(), ignored)) {
     const std::string name = entry.path().filename().string();
-    for (const char* table : {".csv.", "-timing.csv.", "-front.csv.", "-front.png."}) {
+    for (const char* table : {".csv.", "-timing.csv.", "-front.csv.", "-front-ode.csv.", "-front.png."}) {
       if (name.starts_with(begin + table) && name.ends_with(".part")) fs::remove(entry.path(), ignored);
     }
   }

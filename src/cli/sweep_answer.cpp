@@ -166,7 +166,8 @@ std::string counts_text(const Journal& journal) {
 struct Group {
   std::string name;  // "n = 4, duration = 2"; empty where the sweep has one group
   std::vector<Point> points;
-  std::vector<Point> front;
+  std::vector<Point> front;      // of all
+  std::vector<Point> ode_front;  // of ODE's own methods, where the sweep has others as well: else empty
 };
 
 /// What an error costs in a sweep.
@@ -193,9 +194,16 @@ std::vector<Group> groups_of(const Head& head, const std::vector<std::size_t>& a
     }
     group.points.push_back(point);
   }
+  const std::vector<std::string>& methods = head.axes.back().values;
+  const auto is_ode = [&](const Point& point) {
+    return catalogue::is_plain_ode(methods[grid.places(point.run).back()]);
+  };
   std::vector<Group> all;
   for (auto& [key, group] : groups) {
     group.front = sweep::pareto_front(group.points);
+    std::vector<Point> of_ode;
+    std::ranges::copy_if(group.points, std::back_inserter(of_ode), is_ode);
+    if (of_ode.size() < group.points.size()) group.ode_front = sweep::pareto_front(std::move(of_ode));
     all.push_back(std::move(group));
   }
   return all;
@@ -221,23 +229,28 @@ std::string picture(const Journal& journal, const Answer& answer) {
       series.y.push_back(group.points[i].error);
     }
   }
-  for (const Group& group : std::span(answer.groups).first(std::min(answer.groups.size(), most_fronts))) {
-    const std::string label = group.name.empty() ? "Pareto front" : "front of " + group.name;
+  const auto draw_front = [&](const std::vector<Point>& front, const std::string& label, bool dashed) {
     report::Series& line = panel.series.emplace_back(report::Series{label, {}, {}});
-    for (const Point& point : group.front) {
+    line.dashed = dashed;
+    for (const Point& point : front) {
       line.x.push_back(point.cost);
       line.y.push_back(point.error);
     }
+  };
+  for (const Group& group : std::span(answer.groups).first(std::min(answer.groups.size(), most_fronts))) {
+    const std::string of = group.name.empty() ? "" : ", " + group.name;
+    draw_front(group.front, "Pareto front" + of, false);
+    if (!group.ode_front.empty()) draw_front(group.ode_front, "the same of ODE" + of, true);
   }
   return front_png(panel, head.scenario + ": what an error costs");
 }
 
-std::string front_csv(const Journal& journal, const Answer& answer) {
+std::string front_csv(const Journal& journal, const Answer& answer, std::vector<Point> Group::*front) {
   const Head& head = journal.head();
   const sweep::Grid grid(head.axes);
   std::string csv = "cpu_s," + answer.metric + ",reference_uncertainty," + sweep_header(keys_of(head), head.columns);
   for (const Group& group : answer.groups) {
-    for (const Point& point : group.front) {
+    for (const Point& point : group.*front) {
       const Row row = journal.row(point.run);
       const std::optional<double> uncertainty = answer.error.uncertainty(row);
       csv += fmt::format("{},{},{},{}", number_text(point.cost), number_text(answer.error.value(row)),
@@ -298,8 +311,13 @@ void print_front(const Journal& journal, const Answer& answer) {
   constexpr std::size_t most_shown = 12;
   bool lost = false;
   for (const Group& group : std::span(answer.groups).first(std::min(answer.groups.size(), most_shown))) {
-    std::cout << "\nPareto front of " << metric << " against CPU time"
-              << (group.name.empty() ? "" : " where " + group.name) << "\n\n"
+    const std::string where = group.name.empty() ? "" : " where " + group.name;
+    if (!group.ode_front.empty()) {
+      std::cout << "\nPareto front of " << metric << " against CPU time" << where << ", ODE's own methods\n\n"
+                << front_table(journal, answer, group.ode_front);
+    }
+    std::cout << "\nPareto front of " << metric << " against CPU time" << where
+              << (group.ode_front.empty() ? "" : ", all methods") << "\n\n"
               << (group.front.empty() ? "no run that is ok has a value\n" : front_table(journal, answer, group.front));
     if (group.front.empty()) continue;
     const double worst = answer.error.value(journal.row(group.front.front().run));
@@ -337,14 +355,17 @@ int answer(const Journal& journal, const fs::path& folder, const AnswerOptions& 
   Answer answer{metric, ErrorOf(head, metric), {}};
   answer.groups = groups_of(head, group_axes(head, scenario),
                             write_tables(journal, stem, answer.error, reference::provider_for(scenario).method));
-  write_whole(stem + "-front.csv", front_csv(journal, answer));
+  write_whole(stem + "-front.csv", front_csv(journal, answer, &Group::front));
+  const bool two_fronts = std::ranges::any_of(answer.groups, [](const Group& one) { return !one.ode_front.empty(); });
+  if (two_fronts) write_whole(stem + "-front-ode.csv", front_csv(journal, answer, &Group::ode_front));
   const bool drawn = draw(journal, answer, stem + "-front.png");
   if (!options.quiet) {
     const std::string shard = head.shard.whole() ? "" : ", shard " + head.shard.text();
     std::cout << fmt::format("{}: {} run{} ({}{}){}\n", head.scenario, journal.rows(), journal.rows() == 1 ? "" : "s",
                              grid_text(head), shard, counts_text(journal));
     print_front(journal, answer);
-    std::cout << fmt::format("wrote {0}.csv, -timing.csv, -front.csv{1}\n", stem, drawn ? ", -front.png" : "");
+    std::cout << fmt::format("wrote {}.csv, -timing.csv, -front.csv{}{}\n", stem, two_fronts ? ", -front-ode.csv" : "",
+                             drawn ? ", -front.png" : "");
   }
   return journal.rows(Status::ok) + journal.rows(Status::suspect) == journal.rows() ? 0 : 1;
 }

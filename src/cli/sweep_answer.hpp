@@ -20,8 +20,8 @@ void add_answer_options(Flags& flags, AnswerOptions& options);
 std::filesystem::path journal_file(const std::filesystem::path& folder, const std::string& scenario);
 
 /// Writes, in the journal's folder, SCENARIO.csv (the table: same sweep, same bytes), SCENARIO-timing.csv,
-/// SCENARIO-front.csv and SCENARIO-front.png, prints the front of each group of runs that can be compared, and returns
-/// the exit status: 1 when a run has no results.
+/// SCENARIO-front.csv, -front-ode.csv and -front.png, prints the fronts of each group of runs that can be compared, and
+/// returns the exit status: 1 when a run has no results.
 int answer(const sweep::Journal& journal, const std::filesystem::path& folder, const AnswerOptions& options);
 
 }  // namespace odeval::cli

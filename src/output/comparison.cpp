@@ -59,7 +59,8 @@ Place place_of(const fs::path& file) {
   if (folder == "report") return {name == "verdicts.csv" ? Kind::verdicts : Kind::report, "", file.string()};
   if (folder == "sweep") {
     // The table holds no times; the journal has the order in which the runs were done, the front their cost.
-    const bool table = type == ".csv" && !stem.ends_with("-timing") && !stem.ends_with("-front");
+    const bool table =
+        type == ".csv" && !stem.ends_with("-timing") && !stem.ends_with("-front") && !stem.ends_with("-front-ode");
     return {table ? Kind::sweep : Kind::timing, "", file.string()};
   }
   if (file.parent_path().has_parent_path()) return {Kind::other, "", file.string()};
@@ -310,6 +311,11 @@ class Folder {
       const Kind kind = place_of(file).kind;
       return kind == Kind::summary || kind == Kind::trace || kind == Kind::report || kind == Kind::sweep;
     });
+    if (!results && files_.contains("summary.csv")) {
+      const fs::path above = fs::absolute(root).lexically_normal();
+      throw UserError(fmt::format("{}: is the folder of one scenario; compare the one that it is in, {}", root.string(),
+                                  (above.has_filename() ? above : above.parent_path()).parent_path().string()));
+    }
     if (!results) {
       throw UserError(root.string() + ": holds no results; a folder that 'odeval run' or 'odeval report' wrote does");
     }

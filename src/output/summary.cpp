@@ -74,6 +74,7 @@ Json ode_settings(const Scenario& scenario) {
   json["start"] = ode.start == Start::half_step ? "half-step" : "as-given";
   json["seed"] = ode.seed;
   json["gyroscopic"] = ode.gyroscopic ? "on" : "off";
+  json["rotation"] = ode.rotation == Turning::finite ? "finite" : "infinitesimal";
   return json;
 }
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "output/terminal.hpp"
+
 namespace odeval {
 
 namespace {
@@ -12,6 +14,14 @@ namespace {
 std::size_t width_of(const std::string& cell) {
   return static_cast<std::size_t>(std::count_if(
       cell.begin(), cell.end(), [](char letter) { return (static_cast<unsigned char>(letter) & 0xC0) != 0x80; }));
+}
+
+/// In the colour of what it says: what went wrong, and what was kept.
+std::string coloured(const std::string& cell) {
+  for (const char* bad : {"diverged", "failed", "different", "crashed", "suspect", "no:"}) {
+    if (cell.starts_with(bad)) return red(cell);
+  }
+  return cell == "kept" || cell == "ok" ? green(cell) : cell;
 }
 
 const Metrics* metrics_until(const RunSummary& run, double time) {
@@ -55,7 +65,8 @@ std::string TextTable::text() const {
     std::string line;
     for (std::size_t i = 0; i < row.size(); ++i) {
       const std::string padding(widths[i] - width_of(row[i]), ' ');
-      line += (i == 0 ? "" : "  ") + (align_[i] == 'l' ? row[i] + padding : padding + row[i]);
+      const std::string cell = &row == &rows_.front() ? bold(row[i]) : coloured(row[i]);
+      line += (i == 0 ? "" : "  ") + (align_[i] == 'l' ? cell + padding : padding + cell);
     }
     line.erase(line.find_last_not_of(' ') + 1);
     text += line + '\n';

@@ -13,7 +13,7 @@ class BodyStage final : public Stage {
   BodyStage(const Scenario& scenario, std::span<const Pose> shown);
 
   const PlanarFrame& frame() const override { return frame_; }
-  const std::vector<Vec3>& extent() const override { return extent_; }
+  std::vector<Vec3> extent() const override { return extent_; }
   bool inside(const Camera& camera, const Pose& pose) const override;
   std::vector<Layer> layers(const Camera& camera, const Pose& pose, const Pose* outline) const override;
 

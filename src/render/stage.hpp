@@ -19,7 +19,7 @@ class Stage {
   virtual const PlanarFrame& frame() const = 0;
 
   /// Points around all that will be seen.
-  virtual const std::vector<Vec3>& extent() const = 0;
+  virtual std::vector<Vec3> extent() const = 0;
 
   /// Whether all of the bodies are drawn, and within the picture.
   virtual bool inside(const Camera& camera, const Pose& pose) const = 0;

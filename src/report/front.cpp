@@ -4,29 +4,25 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
-#include "output/number.hpp"
 #include "report/gnuplot.hpp"
+#include "report/gnuplot_script.hpp"
 
 namespace odeval::report {
 namespace {
 
-// Colours that differ for colour-blind readers as well (Okabe and Ito, 2008); then other shapes of the same.
-constexpr std::array colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a7f00"};
-constexpr std::array shapes{7, 5, 9, 13, 11, 6, 4};
+constexpr std::array shapes{7, 5, 9, 13, 11, 6, 4};  // of points, once the colours are used up
 
-std::string quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char letter : text) {
-    if (letter == '\n') continue;
-    out += letter;
-    if (letter == '\'') out += letter;
+/// Those of its points that have a place on logarithmic axes.
+Series drawable_points(const Series& series) {
+  Series points{series.label, {}, {}, series.mark, series.colour, series.dashed};
+  for (std::size_t k = 0; k < std::min(series.x.size(), series.y.size()); ++k) {
+    if (!drawable(series.x[k], true) || !drawable(series.y[k], true)) continue;
+    points.x.push_back(series.x[k]);
+    points.y.push_back(series.y[k]);
   }
-  return out + "'";
+  return points;
 }
-
-bool drawable(double value) { return std::isfinite(value) && value > 0; }
 
 }  // namespace
 
@@ -40,20 +36,15 @@ std::string front_png(const Panel& panel, const std::string& title) {
       "set xlabel " + quoted(panel.x_label) + " noenhanced\nset ylabel " + quoted(panel.y_label) + " noenhanced\n";
   std::string plots;
   for (std::size_t i = 0; i < panel.series.size(); ++i) {
-    const Series& series = panel.series[i];
-    std::string block;
-    for (std::size_t k = 0; k < std::min(series.x.size(), series.y.size()); ++k) {
-      if (!drawable(series.x[k]) || !drawable(series.y[k])) continue;
-      block += number_text(series.x[k]) + " " + number_text(series.y[k]) + "\n";
-    }
-    if (block.empty()) continue;
-    script += fmt::format("$d{} << EOD\n{}EOD\n", i, block);
+    const Series series = drawable_points(panel.series[i]);
+    if (series.x.empty()) continue;
+    script += data_block(series, panel, i);
     plots += (plots.empty() ? "plot " : ", ") + fmt::format("$d{} using 1:2 with ", i);
     if (series.mark == Mark::points) {
-      plots += fmt::format("points lc rgb '{}' pt {} ps 0.8", colours[i % colours.size()],
-                           shapes[i / colours.size() % shapes.size()]);
+      plots += fmt::format("points lc rgb '{}' pt {} ps 0.8", own_colours[i % own_colours.size()],
+                           shapes[i / own_colours.size() % shapes.size()]);
     } else {
-      plots += "linespoints lc rgb 'black' lw 1.5 pt 6 ps 1.6";
+      plots += fmt::format("linespoints lc rgb 'black' lw 1.5 dt {} pt 6 ps 1.6", series.dashed ? "'-'" : "solid");
     }
     plots += " title " + quoted(series.label);
   }

@@ -6,8 +6,8 @@
 
 namespace odeval::report {
 
-/// A PNG on white, by gnuplot: both axes logarithmic, the last series a line through its points. Throws MachineError as
-/// `run_gnuplot`.
+/// A PNG on white, by gnuplot: both axes logarithmic, series without points of their own as lines. Throws MachineError
+/// as `run_gnuplot`.
 std::string front_png(const Panel& panel, const std::string& title);
 
 }  // namespace odeval::report

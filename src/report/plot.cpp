@@ -9,6 +9,7 @@
 
 #include "output/number.hpp"
 #include "report/gnuplot.hpp"
+#include "report/gnuplot_script.hpp"
 #include "report/svg.hpp"
 #include "report/text.hpp"
 
@@ -47,8 +48,6 @@ struct Range {
   }
   bool empty() const { return low > high; }
 };
-
-bool drawable(double value, bool log) { return std::isfinite(value) && (!log || value > 0); }
 
 struct Ranges {
   Range x;
@@ -93,26 +92,6 @@ std::string axis(char name, const Range& range, bool log, bool tight) {
     script += fmt::format("set autoscale {}fix\n", name);
   }
   return script;
-}
-
-/// In gnuplot's single quotes.
-std::string quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char letter : text) {
-    if (letter == '\n') continue;
-    out += letter;
-    if (letter == '\'') out += letter;
-  }
-  return out + "'";
-}
-
-std::string data_block(const Series& series, const Panel& panel, std::size_t number) {
-  std::string block = fmt::format("$d{} << EOD\n", number);
-  for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i) {
-    const bool there = drawable(series.x[i], panel.log_x) && drawable(series.y[i], panel.log_y);
-    block += there ? number_text(series.x[i]) + " " + number_text(series.y[i]) + "\n" : "NaN NaN\n";
-  }
-  return block + "EOD\n";
 }
 
 }  // namespace

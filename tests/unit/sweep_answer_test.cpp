@@ -87,7 +87,7 @@ std::string line_of(std::size_t run) {
 struct Answer {
   int status;
   std::string said;
-  std::string table, timing, front;
+  std::string table, timing, front, ode_front;
 };
 
 /// What is answered to a journal with those of the rows.
@@ -100,7 +100,12 @@ Answer answer_to(const fs::path& folder, const std::vector<std::size_t>& runs, c
   const int status = cli::answer(journal, folder, options);
   std::cout.rdbuf(before);
   const auto file = [&](const char* end) { return text_of(folder / "sweep" / (std::string("double_pendulum") + end)); };
-  return {status, said.str(), file(".csv"), file("-timing.csv"), file("-front.csv")};
+  return {status,
+          said.str(),
+          file(".csv"),
+          file("-timing.csv"),
+          file("-front.csv"),
+          fs::exists(folder / "sweep/double_pendulum-front-ode.csv") ? file("-front-ode.csv") : ""};
 }
 
 const std::string table_header = [] {
@@ -142,6 +147,12 @@ void the_front_is_of_runs_that_went_through(const fs::path& folder) {
                          "      2      0.02 ± 1e-09  0.1      ode-step-double   1000    2\n"
                          "      4     0.001 ± 1e-09  0.1      lagrange-rk4      1000    1\n"
                          "      9     4e-10 ± 1e-09  0.8      lagrange-rk4      1000   10\n") != std::string::npos);
+  // Of ODE's own methods alone, beside that: what a user of ODE can have.
+  CHECK_EQUAL(angles.ode_front, "cpu_s,max_error_q,reference_uncertainty," + table_header + "0.002,0.02,1e-09," +
+                                    line_of(2) + "0.0095,3e-10,1e-09," + line_of(11));
+  CHECK(angles.said.find("against CPU time, ODE's own methods\n") != std::string::npos);
+  // Nothing but ODE's: one front.
+  CHECK_EQUAL(answer_to(folder, {2, 5}, {}).ode_front, "");
   // An error that needs no reference: the run that blew up has one, 1e141 m, and was the cheapest.
   CHECK_EQUAL(
       answer_to(folder, all, {"max_gap", true}).front,
@@ -175,8 +186,8 @@ const std::vector<Case> cases{
      {"ode.erp=0.1,0.8", "ode.cfm=1e-5,1e-9", "ode.iterations=10,50", "ode.sor_w=1.0,1.3", "ode.bounce=0.5,0.7",
       "ode.bounce_vel=0.0,0.1", "ode.max_correcting_vel=0.1,inf", "ode.surface_layer=0.0,0.001",
       "ode.friction_axes=\"plane-space\",\"sliding\"", "ode.start=\"as-given\",\"half-step\"", "ode.seed=1,2",
-      "ode.gyroscopic=\"on\",\"off\"", "maximal.ks=400.0,100.0", "maximal.kd=40.0,20.0", "rtol=1e-3,1e-6",
-      "atol=1e-6,1e-9"},
+      "ode.gyroscopic=\"on\",\"off\"", "ode.rotation=\"infinitesimal\",\"finite\"", "maximal.ks=400.0,100.0",
+      "maximal.kd=40.0,20.0", "rtol=1e-3,1e-6", "atol=1e-6,1e-9"},
      {"links.0.depth=0.1,0.2"}},
     {"single_pendulum", "", {"duration=0.1,0.2"}, {}},
     {"double_pendulum", "ode.kd=10.0", {}, {"ode.kp=100.0,1000.0"}},

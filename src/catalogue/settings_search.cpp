@@ -1,0 +1,526 @@
+#include "catalogue/settings_search.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <span>
+
+#include "catalogue/accuracy.hpp"
+#include "catalogue/engine_settings.hpp"
+#include "catalogue/grid_runs.hpp"
+#include "odeval/error.hpp"
+#include "output/bytes.hpp"
+#include "output/number.hpp"
+#include "output/summary.hpp"
+#include "reference/providers.hpp"
+
+namespace odeval {
+
+template <class Way, class Value>
+requires bytes::is<Value, Change>
+void pass(Way& way, Value& change) {
+  auto& [key, before, value, steps_without, cost_without] = change;
+  each(way, key, before, value, steps_without, cost_without);
+}
+
+template <class Way, class Value>
+requires bytes::is<Value, Reached>
+void pass(Way& way, Value& reached) {
+  auto& [value, uncertainty] = reached;
+  each(way, value, uncertainty);
+}
+
+template <class Way, class Value>
+requires bytes::is<Value, Recommended>
+void pass(Way& way, Value& run) {
+  auto& [method, kind, place, changes, knob, before, setting, reached, steps, why_not, cpu_per_s, cpu_spread, command] =
+      run;
+  each(way, method, kind, place, changes, knob, before, setting, reached, steps, why_not, cpu_per_s, cpu_spread,
+       command);
+}
+
+namespace catalogue {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+constexpr double apart = 1.02;        // of two steps that are tried
+constexpr double longest_step_s = 1;  // that a scenario may have
+constexpr long fewest_steps = 4;      // of a run
+constexpr std::size_t rtols_a_decade = 16;
+constexpr double loosest_rtol = 1e-2;
+constexpr double tightest_rtol = 3e-15;                       // below it rounding alone is larger
+constexpr std::array neighbours{1.01, 1.0025, 0.9975, 0.99};  // times the step
+constexpr std::size_t most_unsteady = 40;     // finer steps that are tried in the place of an unsteady one
+constexpr long most_steps_apart = 100'000;    // of runs with other settings, where the scenario's own keep no budget
+constexpr int most_runs = 20;                 // of the most steps, for all that is tried of a method
+constexpr double worth_a_change = 1.03;       // what costs less to leave as it was is left
+constexpr double farthest_back = 32;          // times the steps, with one change taken back
+constexpr int most_stalled = 3;               // times that a finer setting was no better, one after the other
+constexpr double far = 10;                    // times the budget: from there an error falls when it likes
+constexpr int passes = 2;                     // over the settings, one after the other
+constexpr long rows_of_references = 300'000;  // that are kept: some 100 MB
+
+// CPU time of a QuickStep beside its iterations, in iterations: 8 of a double pendulum, 7 of an arm of three links, 10
+// of a sliding box (ODE 0.16.2).
+constexpr double beside_iterations = 8;
+
+struct Row {
+  std::string_view key;
+  bool together;  // tried in every combination with the others, since they act on the same error
+  std::span<const std::string_view> values;
+  std::string (*own)(const OdeSettings&);
+};
+
+// What is tried of ODE's settings. The values that promise most stand first, so that the rest need one run each to be
+// seen to be no better.
+constexpr std::array<std::string_view, 2> starts{"half-step", "as-given"};
+constexpr std::array<std::string_view, 7> erps{"1", "0.8", "0.6", "0.4", "0.2", "0.1", "0.9"};
+constexpr std::array<std::string_view, 2> rotations{"finite", "infinitesimal"};
+constexpr std::array<std::string_view, 2> axes{"sliding", "plane-space"};
+constexpr std::array<std::string_view, 4> cfms{"1e-10", "1e-08", "1e-06", "1e-05"};
+constexpr std::array<std::string_view, 6> iterations{"5", "10", "20", "40", "80", "160"};
+constexpr std::array<std::string_view, 5> sor_ws{"1", "1.2", "1.4", "1.6", "1.8"};
+
+constexpr std::array rows{
+    Row{"ode.start", true, starts,
+        [](const OdeSettings& ode) { return std::string(ode.start == Start::half_step ? "half-step" : "as-given"); }},
+    Row{"ode.erp", true, erps, [](const OdeSettings& ode) { return number_text(ode.erp); }},
+    Row{"ode.rotation", true, rotations,
+        [](const OdeSettings& ode) {
+          return std::string(ode.rotation == Turning::finite ? "finite" : "infinitesimal");
+        }},
+    Row{"ode.friction_axes", true, axes,
+        [](const OdeSettings& ode) {
+          return std::string(ode.friction_axes == FrictionAxes::sliding ? "sliding" : "plane-space");
+        }},
+    Row{"ode.cfm", false, cfms, [](const OdeSettings& ode) { return number_text(ode.cfm); }},
+    Row{"ode.iterations", false, iterations, [](const OdeSettings& ode) { return std::to_string(ode.iterations); }},
+    Row{"ode.sor_w", false, sor_ws, [](const OdeSettings& ode) { return number_text(ode.sor_w); }},
+};
+
+Recommended::Kind kind_of(const Method& method) {
+  if (is_plain_ode(method.name)) return Recommended::Kind::plain_ode;
+  return method.name.starts_with("ode-") ? Recommended::Kind::accurate_step : Recommended::Kind::other;
+}
+
+/// The changes with another of a key, which takes the place of one that is there; back to the scenario's own it is
+/// none.
+std::vector<Change> with(std::vector<Change> changes, const Change& change) {
+  std::erase_if(changes, [&](const Change& other) { return other.key == change.key; });
+  if (change.value != change.before) changes.push_back(change);
+  return changes;
+}
+
+std::vector<Change> without(std::vector<Change> changes, std::size_t place) {
+  changes.erase(changes.begin() + static_cast<std::ptrdiff_t>(place));
+  return changes;
+}
+
+struct Searched {
+  std::string key;
+  bool together;
+  std::string own;
+  std::vector<std::string> values;  // the scenario's own first
+};
+
+/// Settings of a knob from coarse to fine.
+struct Ladder {
+  std::vector<double> settings;
+  double stride;  // how much finer the next is that is looked at while nothing keeps the budget
+
+  std::size_t size() const { return settings.size(); }
+  /// In three digits, which are easier to type, and finer than the last.
+  void add(double setting) {
+    char digits[32];
+    std::snprintf(digits, sizeof digits, "%.3g", setting);
+    const double rounded = std::strtod(digits, nullptr);
+    if (settings.empty() || rounded < settings.back()) settings.push_back(rounded);
+  }
+  /// The first that is as fine as `setting`; `size()`: none is.
+  std::size_t place_of(double setting) const {
+    const auto fine = [&](double other) { return other <= setting * (1 + 1e-12); };
+    return static_cast<std::size_t>(std::ranges::find_if(settings, fine) - settings.begin());
+  }
+};
+
+struct Tried {
+  double setting = 0;
+  std::vector<Reached> reached;
+  long steps = 0;
+  std::string why_not;  // what is wrong with the run but its errors
+};
+
+struct Best {
+  std::vector<Change> changes;
+  std::size_t place = 0;  // in the ladder
+  Tried trial;
+  bool kept = false;
+  std::string why_not;
+};
+
+}  // namespace
+
+SettingsSearch::SettingsSearch(const ScenarioFile& file, std::vector<Override> settings, Names names, Budget budget)
+    : file_(file),
+      settings_(std::move(settings)),
+      names_(std::move(names)),
+      budget_(std::move(budget)),
+      scenario_(file_.read(settings_, names_)) {
+  scenario_.duration_s = budget_.until_s;
+}
+
+Scenario SettingsSearch::scenario(const Method& method, const std::vector<Change>& changes, double setting) const {
+  std::vector<Override> settings = settings_;
+  for (const Change& change : changes) settings.push_back({change.key, change.value, "--set"});
+  Scenario scenario = file_.read(settings, names_);
+  scenario.duration_s = budget_.until_s;
+  scenario.tolerances.clear();
+  switch (knob_of(method)) {
+    case Knob::step:
+      scenario.step_s = setting;
+      break;
+    case Knob::rtol:
+      scenario.rtol = setting;
+      scenario.atol = setting * atol_over_rtol;
+      break;
+    case Knob::none:
+      break;
+  }
+  if (scenario.sample_s) scenario.sample_s = scenario.step_s;
+  return scenario;
+}
+
+/// The search of one method.
+class MethodSearch {
+ public:
+  MethodSearch(SettingsSearch& search, const Method& method)
+      : search_(search),
+        budget_(search.budget_),
+        scenario_(search.scenario_),
+        method_(method),
+        knob_(knob_of(method)),
+        ladder_(make_ladder()),
+        searched_(what_to_search()),
+        steps_left_(most_runs * budget_.most_steps) {}
+
+  Recommended cheapest();
+
+ private:
+  Ladder make_ladder() const;
+  std::vector<Searched> what_to_search() const;
+  double cost_of_step(const std::vector<Change>& changes) const;
+
+  Tried run(const std::vector<Change>& changes, double setting, bool every_step);
+  double excess(const Tried& trial) const;
+  bool keeps(const Tried& trial) const { return trial.why_not.empty() && excess(trial) <= 1; }
+  bool steady(const std::vector<Change>& changes, double setting);
+
+  Best climb(const std::vector<Change>& changes, std::size_t end);
+  Best descend(const std::vector<Change>& changes, std::size_t end);
+  Best bisect(const std::vector<Change>& changes, long coarse, std::size_t fine, std::size_t end);
+  bool improve(Best& best, const std::vector<Change>& changes);
+  void try_together(Best& best);
+  void try_alone(Best& best);
+  void drop_what_is_worth_little(Best& best);
+  void tell_worth(Best& best);
+  std::string why_none(const Tried& nearest, bool stalled) const;
+
+  SettingsSearch& search_;
+  const Budget& budget_;
+  const Scenario& scenario_;
+  const Method& method_;
+  Knob knob_;
+  Ladder ladder_;
+  std::vector<Searched> searched_;
+  long steps_left_;  // of all runs
+};
+
+Ladder MethodSearch::make_ladder() const {
+  Ladder ladder{{}, 2};
+  if (knob_ == Knob::step) {
+    const double fewest = std::max<double>(fewest_steps, std::ceil(budget_.until_s / longest_step_s));
+    for (double steps = fewest; steps <= static_cast<double>(budget_.most_steps);
+         steps = std::max(steps + 1, std::round(steps * apart))) {
+      ladder.add(budget_.until_s / steps);
+    }
+  } else if (knob_ == Knob::rtol) {
+    ladder.stride = 10;
+    for (std::size_t n = 0;; ++n) {
+      const double rtol = loosest_rtol * std::pow(10.0, -static_cast<double>(n) / double{rtols_a_decade});
+      if (rtol < tightest_rtol) break;
+      ladder.add(rtol);
+    }
+  } else {
+    ladder.settings.push_back(0);
+  }
+  return ladder;
+}
+
+std::vector<Searched> MethodSearch::what_to_search() const {
+  std::vector<Searched> searched;
+  if (!budget_.settings_too) return searched;
+  for (const Row& row : rows) {
+    const auto is_given = [&](const Override& setting) { return overlap(setting.key, row.key); };
+    const bool spring = is_of_spring(row.key) && (scenario_.ode.spring || joints_are_springs(scenario_));
+    if (spring || !reads(method_, row.key, scenario_) || std::ranges::any_of(search_.settings_, is_given)) continue;
+    Searched one{std::string(row.key), row.together, row.own(scenario_.ode), {}};
+    one.values.push_back(one.own);
+    for (const std::string_view value : row.values) {
+      if (value != one.own) one.values.emplace_back(value);
+    }
+    searched.push_back(std::move(one));
+  }
+  return searched;
+}
+
+/// Over that of a step with the scenario's own settings.
+double MethodSearch::cost_of_step(const std::vector<Change>& changes) const {
+  if (!reads(method_, "ode.iterations", scenario_)) return 1;
+  const auto changed = std::ranges::find(changes, "ode.iterations", &Change::key);
+  const double own = scenario_.ode.iterations;
+  const double now = changed == changes.end() ? own : std::stod(changed->value);
+  return (beside_iterations + now) / (beside_iterations + own);
+}
+
+std::shared_ptr<const Reference> SettingsSearch::reference_for(const Scenario& scenario) {
+  const SampleGrid grid = sample_grid(scenario);
+  const Times times{grid.step_s, grid.stride, grid.rows};
+  if (const auto known = references_.find(times); known != references_.end()) return known->second;
+  if (rows_kept_ + grid.rows > rows_of_references) {
+    references_.clear();
+    rows_kept_ = 0;
+  }
+  rows_kept_ += grid.rows;
+  return references_[times] =
+             std::make_shared<const Reference>(reference::provider_for(scenario).solve(scenario, grid));
+}
+
+Tried MethodSearch::run(const std::vector<Change>& changes, double setting, bool every_step) {
+  Tried trial;
+  trial.setting = setting;
+  trial.reached.resize(budget_.targets.size());
+  try {
+    Scenario scenario = search_.scenario(method_, changes, setting);
+    const long steps = sample_grid(scenario).steps();
+    steps_left_ -= steps;
+    if (!every_step) scenario = with_enough_rows(std::move(scenario));
+    Evaluator evaluator(scenario, search_.reference_for(scenario));
+    const Evaluation done = evaluator.evaluate(method_);
+    const Metrics metrics = evaluator.measure(done, evaluator.grid().time(evaluator.grid().rows - 1));
+    trial.steps = done.outcome.steps;
+    for (std::size_t i = 0; i < budget_.targets.size(); ++i) {
+      const quantity::Id id = budget_.targets[i].id;
+      trial.reached[i] = {metrics[id], uncertainty_of(id, metrics)};
+      if (!metrics[id]) trial.why_not = "it has no " + std::string(quantities[id].name);
+    }
+    if (done.outcome.messages > 0) trial.why_not = "suspect: " + suspicion(done.outcome);
+    if (done.outcome.diverged) trial.why_not = "diverged";
+  } catch (const MachineError& why) {  // an adaptive method that gave up
+    trial.why_not = why.what();
+  } catch (const UserError& why) {  // settings that have no start
+    trial.why_not = why.what();
+  }
+  return trial;
+}
+
+/// How many times the budget: of the worst target.
+double MethodSearch::excess(const Tried& trial) const {
+  double worst = 0;
+  for (std::size_t i = 0; i < budget_.targets.size(); ++i) {
+    const double value = trial.reached[i].value ? std::fabs(*trial.reached[i].value) : infinity;
+    worst = std::max(worst, (value + trial.reached[i].uncertainty.value_or(0)) / budget_.targets[i].at_most);
+  }
+  return worst;
+}
+
+bool MethodSearch::steady(const std::vector<Change>& changes, double setting) {
+  return std::ranges::all_of(neighbours, [&](double factor) {
+    return setting * factor > longest_step_s || keeps(run(changes, setting * factor, false));
+  });
+}
+
+/// From `coarse`, which does not keep the budget (-1: nothing coarser is there), and `fine`, which does, to the
+/// coarsest between them that does so steadily, before `end`.
+Best MethodSearch::bisect(const std::vector<Change>& changes, long coarse, std::size_t fine, std::size_t end) {
+  while (static_cast<long>(fine) - coarse > 1) {
+    const auto middle = static_cast<std::size_t>((coarse + static_cast<long>(fine)) / 2);
+    if (keeps(run(changes, ladder_.settings[middle], false))) {
+      fine = middle;
+    } else {
+      coarse = static_cast<long>(middle);
+    }
+  }
+  Best best{changes, fine, {}, false, "some steps keep it, a quarter of a percent away others do not"};
+  for (std::size_t place = fine; place < std::min(end, fine + most_unsteady); ++place) {
+    best.place = place;
+    best.trial = run(changes, ladder_.settings[place], true);
+    if (!keeps(best.trial)) continue;
+    if (knob_ == Knob::none || steady(changes, ladder_.settings[place])) {
+      best.kept = true;
+      best.why_not.clear();
+      break;
+    }
+  }
+  return best;
+}
+
+/// From coarse to fine, until the budget is kept or nothing gets better.
+Best MethodSearch::climb(const std::vector<Change>& changes, std::size_t end) {
+  Best nearest{changes, 0, {}, false, ""};
+  double least = infinity;
+  int stalled = 0;
+  long coarse = -1;
+  for (std::size_t place = 0; place < end;) {
+    const Tried trial = run(changes, ladder_.settings[place], false);
+    if (keeps(trial)) return bisect(changes, coarse, place, end);
+    const double now = excess(trial);
+    stalled = now < least || least > far ? 0 : stalled + 1;
+    if (now < least || place == 0) {
+      nearest.place = place;
+      nearest.trial = trial;
+    }
+    least = std::min(least, now);
+    if (stalled == most_stalled) break;
+    coarse = static_cast<long>(place);
+    const std::size_t next = ladder_.place_of(ladder_.settings[place] / ladder_.stride);
+    if (next >= end && place + 1 < end) {
+      place = end - 1;
+    } else {
+      place = std::max(next, place + 1);
+    }
+    if (steps_left_ < 0) break;
+  }
+  nearest.why_not = why_none(nearest.trial, stalled == most_stalled);
+  return nearest;
+}
+
+std::string MethodSearch::why_none(const Tried& nearest, bool stalled) const {
+  if (!nearest.why_not.empty()) return nearest.why_not;
+  if (stalled) return "the error no longer falls";
+  switch (knob_) {
+    case Knob::step:
+      return "not in " + std::to_string(budget_.most_steps) + " steps";
+    case Knob::rtol:
+      return "no tighter rtol is left";
+    case Knob::none:
+      break;
+  }
+  return "it has no step and no tolerance to change";
+}
+
+/// From what is just before `end` to ever coarser ones, as long as they keep the budget.
+Best MethodSearch::descend(const std::vector<Change>& changes, std::size_t end) {
+  if (end == 0 || !keeps(run(changes, ladder_.settings[end - 1], false))) return {changes, 0, {}, false, ""};
+  std::size_t fine = end - 1;
+  for (std::size_t stride = 2; fine > 0; stride *= 2) {
+    const std::size_t next = fine - std::min(stride, fine);
+    if (!keeps(run(changes, ladder_.settings[next], false))) {
+      return bisect(changes, static_cast<long>(next), fine, end);
+    }
+    fine = next;
+  }
+  return bisect(changes, -1, fine, end);
+}
+
+/// Whether the changes are cheaper than the best so far, which they then are.
+bool MethodSearch::improve(Best& best, const std::vector<Change>& changes) {
+  if (steps_left_ < 0) return false;
+  if (!best.kept) {
+    const std::size_t end = ladder_.place_of(budget_.until_s / static_cast<double>(most_steps_apart));
+    Best found = climb(changes, end);
+    const bool nearer = found.kept || excess(found.trial) < excess(best.trial);
+    if (nearer) best = std::move(found);
+    return nearer;
+  }
+  // As many steps as the best's cost buys.
+  const double dearer = cost_of_step(changes) / cost_of_step(best.changes);
+  Best found = descend(changes, ladder_.place_of(ladder_.settings[best.place] * dearer));
+  if (!found.kept) return false;
+  best = std::move(found);
+  return true;
+}
+
+void MethodSearch::try_together(Best& best) {
+  std::vector<std::vector<Change>> combinations(1);
+  for (const Searched& one : searched_) {
+    if (!one.together) continue;
+    std::vector<std::vector<Change>> more;
+    for (const std::vector<Change>& changes : combinations) {
+      for (const std::string& value : one.values) more.push_back(with(changes, {one.key, one.own, value}));
+    }
+    combinations = std::move(more);
+  }
+  for (std::size_t i = 1; i < combinations.size(); ++i) improve(best, combinations[i]);
+}
+
+void MethodSearch::try_alone(Best& best) {
+  for (int pass = 0; pass < passes; ++pass) {
+    bool better = false;
+    for (const Searched& one : searched_) {
+      if (pass == 0 && one.together) continue;
+      for (const std::string& value : one.values) {
+        const auto now = std::ranges::find(best.changes, one.key, &Change::key);
+        if (value == (now == best.changes.end() ? one.own : now->value)) continue;
+        better = improve(best, with(best.changes, {one.key, one.own, value})) || better;
+      }
+    }
+    if (!better) return;
+  }
+}
+
+/// Fewer changes at nearly the same cost are better advice.
+void MethodSearch::drop_what_is_worth_little(Best& best) {
+  for (std::size_t i = best.changes.size(); i-- > 0;) {
+    const std::vector<Change> changes = without(best.changes, i);
+    const double dearer = cost_of_step(changes) / cost_of_step(best.changes);
+    const double finest = ladder_.settings[best.place] * dearer / worth_a_change;
+    Best found = descend(changes, ladder_.place_of(finest));
+    if (found.kept) best = std::move(found);
+  }
+}
+
+void MethodSearch::tell_worth(Best& best) {
+  for (std::size_t i = 0; i < best.changes.size(); ++i) {
+    const std::vector<Change> changes = without(best.changes, i);
+    const std::size_t end = ladder_.place_of(ladder_.settings[best.place] / farthest_back);
+    const Best found = climb(changes, std::min(end + 1, ladder_.size()));
+    if (!found.kept) continue;
+    best.changes[i].steps_without = found.trial.steps;
+    best.changes[i].cost_without = static_cast<double>(found.trial.steps) * cost_of_step(changes) /
+                                   (static_cast<double>(best.trial.steps) * cost_of_step(best.changes));
+  }
+}
+
+Recommended MethodSearch::cheapest() {
+  Best best = climb({}, ladder_.size());
+  try_together(best);
+  try_alone(best);
+  if (best.kept) {
+    drop_what_is_worth_little(best);
+    tell_worth(best);
+  }
+  Recommended run;
+  run.method = method_.name;
+  run.kind = kind_of(method_);
+  run.place = static_cast<int>(&method_ - methods().data());
+  run.changes = std::move(best.changes);
+  run.knob = knob_ == Knob::step ? "step" : knob_name(knob_);
+  run.before = knob_ == Knob::step ? scenario_.step_s : knob_ == Knob::rtol ? method_.rtol : 0;
+  run.setting = best.trial.setting;
+  run.reached = std::move(best.trial.reached);
+  run.steps = best.trial.steps;
+  run.why_not = best.why_not;
+  return run;
+}
+
+Recommended SettingsSearch::cheapest(const Method& method) { return MethodSearch(*this, method).cheapest(); }
+
+std::string packed(const Recommended& run) { return bytes::of(run); }
+Recommended unpacked(std::string_view bytes) { return odeval::bytes::read<Recommended>(bytes); }
+
+}  // namespace catalogue
+}  // namespace odeval
