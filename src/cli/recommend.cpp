@@ -97,8 +97,10 @@ std::string command_of(const Candidate& candidate, const Options& options) {
       command += " --step " + number_text(candidate.setting);
       break;
     case catalogue::Knob::rtol:
-      command += fmt::format(" --rtol {} --atol {}", number_text(candidate.setting),
-                             number_text(candidate.setting * catalogue::atol_over_rtol));
+      command += " --rtol " + number_text(candidate.setting);
+      if (catalogue::has_setting(*candidate.method, "atol")) {
+        command += " --atol " + number_text(candidate.setting * catalogue::atol_over_rtol);
+      }
       break;
     case catalogue::Knob::none:
       break;
