@@ -9,6 +9,7 @@
 
 #include "odeval/motion.hpp"
 #include "odeval/scenario.hpp"
+#include "odeval/told.hpp"
 
 namespace odeval {
 
@@ -25,6 +26,9 @@ class Simulation {
   /// A run that blows up ends early with the samples so far and `diverged` set. Throws MachineError when the machine
   /// fails (no memory for a step), never for what the motion does.
   virtual Outcome run(Recorder recorder) = 0;
+
+  /// What the engine was told that no setting of the scenario says, for summaries.
+  virtual Told told() const { return {}; }
 };
 
 /// Throws UserError when the scenario asks for what the engine cannot do, MachineError when the engine refuses it.
@@ -117,6 +121,7 @@ struct Engine {
   std::span<const EngineSetting> settings = {};  // what it reads and the motion does not
   SystemMatrix inverts = SystemMatrix::none;     // in each pose, for the columns of conditioning
   std::string_view why_missing = {};             // why `make` is null, and what would bring it
+  bool tells = false;                            // whether its simulations have more to tell than settings
 };
 
 }  // namespace odeval

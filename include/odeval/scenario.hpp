@@ -69,6 +69,12 @@ struct OdeSettings {
   Softness softness(double step_s) const { return spring ? softness_of(*spring, step_s) : Softness{erp, cfm}; }
 };
 
+/// Bullet's own settings, where joints are constraints between bodies.
+struct BulletSettings {
+  int iterations = 10;  // of its sequential impulses, each over all joints
+  double erp = 0.2;     // 0 to 1, the part of a joint's error that a step takes back
+};
+
 /// Feedback of joint errors in the methods with Lagrange multipliers: C'' = -ks C - kd C' (report, 5.36).
 ///
 /// By default an error dies away as fast as it can without overshoot (kd^2 = 4 ks), with a time constant of 2/kd = 50
@@ -120,6 +126,7 @@ struct Scenario {
   std::optional<double> sample_s;            // absent: a row every step
   double gravity = 9.81;                     // m/s², along -z
   OdeSettings ode;                           // of ODE, and of whoever steps as it does
+  BulletSettings bullet;                     // of Bullet's bodies on constraints
   MaximalSettings maximal;                   // of the methods with Lagrange multipliers
   std::optional<double> rtol;                // absent: each adaptive method's own default
   std::optional<double> atol;

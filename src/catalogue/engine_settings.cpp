@@ -10,6 +10,7 @@ namespace {
 
 bool anywhere(const Scenario&) { return true; }
 bool touching(const Scenario& scenario) { return !scenario.mechanism.contacts.empty(); }
+bool jointed(const Scenario& scenario) { return !scenario.mechanism.joints.empty(); }
 bool constrained(const Scenario& scenario) { return !scenario.mechanism.joints.empty() || touching(scenario); }
 bool bouncing(const Scenario& scenario) {
   return std::ranges::any_of(scenario.mechanism.contacts, [&](const Contact& contact) {
@@ -41,6 +42,8 @@ constexpr EngineSetting on_spring(std::string_view key) { return {key, joints_ar
 constexpr std::array of_closed_form{on_spring("ode.erp"), on_spring("ode.cfm"), on_spring("ode.kp"),
                                     on_spring("ode.kd")};
 constexpr std::array of_feedback{EngineSetting{"maximal.ks", anywhere, ""}, EngineSetting{"maximal.kd", anywhere, ""}};
+constexpr std::array of_bullet{EngineSetting{"bullet.iterations", jointed, "joints"},
+                               EngineSetting{"bullet.erp", jointed, "joints"}};
 constexpr std::array of_tolerances{EngineSetting{"rtol", anywhere, ""}, EngineSetting{"atol", anywhere, ""}};
 
 }  // namespace
@@ -57,6 +60,8 @@ bool is_of_spring(std::string_view key) {
   return std::ranges::find(of_closed_form, key, &EngineSetting::key) != of_closed_form.end();
 }
 std::span<const EngineSetting> feedback_settings() { return of_feedback; }
+std::span<const EngineSetting> bullet_settings() { return of_bullet; }
+std::span<const EngineSetting> accuracy_settings() { return tolerance_settings().first(1); }
 std::span<const EngineSetting> tolerance_settings() { return of_tolerances; }
 
 }  // namespace odeval::catalogue

@@ -23,6 +23,10 @@ bool joints_are_springs(const Scenario& scenario);
 bool is_of_spring(std::string_view key);
 /// The feedback of joint errors.
 std::span<const EngineSetting> feedback_settings();
+/// What Bullet reads where its bodies are held by constraints.
+std::span<const EngineSetting> bullet_settings();
+/// The one tolerance of a method that has no absolute one.
+std::span<const EngineSetting> accuracy_settings();
 /// Tolerances of adaptive methods.
 std::span<const EngineSetting> tolerance_settings();
 

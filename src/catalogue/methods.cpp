@@ -4,7 +4,11 @@
 #include <array>
 
 #include "catalogue/accurate_method.hpp"
+#include "engines/bullet/make.hpp"
+#include "engines/dart/make.hpp"
+#include "engines/mujoco/make.hpp"
 #include "engines/ode/module.hpp"
+#include "engines/simbody/make.hpp"
 #include "model/nearest.hpp"
 #include "odeval/error.hpp"
 #include "reference/closed_form/analytic.hpp"
@@ -49,6 +53,8 @@ constexpr Features chain_or_one_at_wall = any_chain | Features{Feature::wall};
 constexpr Features any_planar = chain_or_one_at_wall | Features{Feature::wall_of_several};
 constexpr Features touching_bodies = any_planar | Features{Feature::space, Feature::ground};
 constexpr Features joined_bodies{Feature::space, Feature::joints_in_space, Feature::inertia};
+constexpr Features trees_of_bodies = any_chain | joined_bodies | Features{Feature::loads};
+constexpr Features driven_trees = trees_of_bodies | Features{Feature::motors};
 constexpr Features driven_bodies = joined_bodies | Features{Feature::motors, Feature::stops, Feature::loads};
 constexpr Features accurate = touching_bodies | driven_bodies | Features{Feature::friction};
 constexpr Features all_of_ode = accurate | Features{Feature::constant_friction, Feature::open_joints};
@@ -126,9 +132,45 @@ std::vector<Method> methods_of_bodies() {
   };
 }
 
+std::vector<Method> engines_beside_ode() {
+  const std::string_view joint_coordinates = "joint coordinates";
+  const std::string_view no_mujoco =
+      "this build has no MuJoCo (libmujoco-dev); scripts/install-deps --engines installs it, then configure again";
+  const std::string_view no_bullet =
+      "this build has no Bullet (libbullet-dev); scripts/install-deps --engines installs it, then configure again";
+  const std::string_view no_dart =
+      "this build has no DART (libdart-dev); scripts/install-deps --engines installs it, then configure again";
+  const std::string_view no_simbody =
+      "this build has no Simbody (libsimbody-dev); scripts/install-deps --engines installs it, then configure again";
+  const std::span<const EngineSetting> none;
+  const auto inverts = SystemMatrix::mass_matrix;
+  return {
+      {"mujoco-euler", joint_coordinates, "MuJoCo's semi-implicit Euler", 1, 0, 0, trees_of_bodies,
+       engine_mujoco::make_euler, none, inverts, no_mujoco, true},
+      {"mujoco-implicit", joint_coordinates, "MuJoCo's Euler, implicit in velocities", 1, 0, 0, trees_of_bodies,
+       engine_mujoco::make_implicit, none, inverts, no_mujoco, true},
+      {"mujoco-rk4", joint_coordinates, "MuJoCo's Runge-Kutta", 4, 0, 0, trees_of_bodies, engine_mujoco::make_rk4, none,
+       inverts, no_mujoco, true},
+      {"bullet-hinge-double", "Bullet bodies and constraints", "btDiscreteDynamicsWorld, double precision", 1, 0, 0,
+       driven_trees, engine_bullet::make_hinge, bullet_settings(), hinge_rows, no_bullet, true},
+      {"bullet-multibody-double", joint_coordinates, "btMultiBody, double precision", 1, 0, 0, driven_trees,
+       engine_bullet::make_multibody, none, inverts, no_bullet, true},
+      {"bullet-multibody-rk4-double", joint_coordinates, "btMultiBody with its Runge-Kutta, double precision", 4, 0, 0,
+       trees_of_bodies, engine_bullet::make_multibody_rk4, none, inverts, no_bullet, true},
+      {"dart-step", joint_coordinates, "DART's World::step", 1, 0, 0, driven_trees, engine_dart::make_step, none,
+       inverts, no_dart, true},
+      {"simbody-semi-explicit", joint_coordinates, "Simbody's semi-explicit Euler", 1, 0, 0, trees_of_bodies,
+       engine_simbody::make_semi_explicit, none, inverts, no_simbody, true},
+      {"simbody-merson", joint_coordinates, "Simbody's Kutta-Merson, steps of its own", 0,
+       engine_simbody::default_accuracy, 0, trees_of_bodies, engine_simbody::make_merson, accuracy_settings(), inverts,
+       no_simbody, true},
+  };
+}
+
 /// In the order of every list.
 std::vector<Method> make_table() {
   std::vector<Method> table = engines_of_ode();
+  std::ranges::move(engines_beside_ode(), std::back_inserter(table));
   std::ranges::move(methods_in_joint_coordinates(), std::back_inserter(table));
   std::ranges::move(methods_of_bodies(), std::back_inserter(table));
   return table;

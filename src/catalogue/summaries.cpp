@@ -16,6 +16,8 @@ RunSummary settings_of(const Method& method, const Scenario& scenario) {
   summary.is_reference = method.name == reference::provider_for(scenario).method && !scenario.rtol && !scenario.atol;
   summary.uses_ode = has_half_step_start(method);
   summary.uses_bounce = !summary.uses_ode && reads(method, "ode.bounce", scenario);
+  summary.uses_bullet = reads(method, "bullet.iterations", scenario);
+  if (method.tells) summary.told = method.make(scenario, summary.grid)->told();
   summary.uses_maximal = reads(method, "maximal.ks", scenario);
   summary.rtol = in_effect(scenario.rtol, method.rtol);
   summary.atol = in_effect(scenario.atol, method.atol);

@@ -161,8 +161,10 @@ std::string command_of(const Recommended& run, const catalogue::Method& method, 
                                     number_text(options.until));
   if (run.knob == "step") command += " --step " + number_text(run.setting);
   if (run.knob == "rtol") {
-    command += fmt::format(" --rtol {} --atol {}", number_text(run.setting),
-                           number_text(run.setting * catalogue::atol_over_rtol));
+    command += " --rtol " + number_text(run.setting);
+    if (catalogue::has_setting(method, "atol")) {
+      command += " --atol " + number_text(run.setting * catalogue::atol_over_rtol);
+    }
   }
   if (scenario.sample_s) {  // which rows the file wants: every step counts
     command += " --sample " + number_text(run.knob == "step" ? run.setting : scenario.step_s);

@@ -88,7 +88,7 @@ void add_orders(Findings& findings, const std::vector<Measured>& all) {
     const std::string name(one.method->name);
     const std::string meaning = "observed order of " + name;
     if (one.points.empty()) {
-      findings.add("order." + name, unavailable(meaning, "", std::string(catalogue::without_single_precision)));
+      findings.add("order." + name, unavailable(meaning, "", std::string(one.method->why_missing)));
     } else if (const auto observed = settled_order(one.points)) {
       findings.add("order." + name,
                    known_by(report::Source::fit, measured(meaning, "", observed->order, observed->half_width)));
@@ -124,7 +124,8 @@ report::Table orders(const std::vector<Measured>& all) {
   for (const Measured& one : all) {
     const std::string name(one.method->name);
     std::vector<Cell> row{name, static_cast<double>(one.method->order)};
-    const char* const why = one.points.empty() ? catalogue::without_single_precision.data() : not_settled;
+    const char* const missing = one.method->why_missing.data();  // of a literal
+    const char* const why = one.points.empty() ? missing : not_settled;
     const auto settled = settled_order(one.points);
     add_cells(row, settled, why);
     if (settled) {
@@ -133,8 +134,7 @@ report::Table orders(const std::vector<Measured>& all) {
       row.insert(row.end(), 3, Missing{why});
     }
     for (const Range& range : ranges) {
-      add_cells(row, order_in(one.points, range),
-                one.points.empty() ? catalogue::without_single_precision.data() : few_points);
+      add_cells(row, order_in(one.points, range), one.points.empty() ? missing : few_points);
     }
     table.rows.push_back(std::move(row));
   }

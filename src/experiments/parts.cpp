@@ -135,11 +135,16 @@ std::vector<report::Cell> row_left_out(std::vector<report::Cell> known, std::siz
 }
 
 std::string left_out(const std::vector<std::string>& methods) {
-  std::string missing;
+  std::vector<std::pair<std::string_view, std::string>> missing;  // why, and the methods
   for (const std::string& name : methods) {
-    if (available(name) == nullptr) missing += (missing.empty() ? "" : ", ") + name;
+    if (available(name) != nullptr) continue;
+    const std::string_view why = std::ranges::find(catalogue::methods(), name, &catalogue::Method::name)->why_missing;
+    if (missing.empty() || missing.back().first != why) missing.push_back({why, ""});
+    missing.back().second += (missing.back().second.empty() ? "" : ", ") + name;
   }
-  return missing.empty() ? "" : fmt::format("{} ({})", missing, catalogue::without_single_precision);
+  std::string text;
+  for (const auto& [why, names] : missing) text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", names, why);
+  return text;
 }
 
 double error_until(Evaluator& evaluator, const Evaluation& run, double until_s) {

@@ -269,6 +269,11 @@ constexpr KeyRow rows[] = {
   {"ode", "rotation",           word,   "",       0, 0,          false, rotation_names, "infinitesimal", "how a step turns a body: along the tangent, or by the whole angle (dBodySetFiniteRotationMode)",
       [](D&, S& s, const V& v) { s.ode.rotation = v.word == "finite" ? Turning::finite : Turning::infinitesimal; }},
 
+  {"bullet", "iterations", whole, "", 1, 1e6, false, nullptr, "10", "Bullet's iterations over the joints of its bodies",
+      [](D&, S& s, const V& v) { s.bullet.iterations = static_cast<int>(v.number); }},
+  {"bullet", "erp", number, "", 0, 1, false, nullptr, "0.2", "part of a joint's error that Bullet takes back in a step",
+      [](D&, S& s, const V& v) { s.bullet.erp = v.number; }},
+
   {"maximal", "ks", number, "1/s²", 0, 1e14, false, nullptr, "400", "feedback of a joint's position error",
       [](D&, S& s, const V& v) { s.maximal.ks = v.number; }},
   {"maximal", "kd", number, "1/s",  0, 1e8,  false, nullptr, "40", "feedback of a joint's velocity error",
@@ -288,9 +293,10 @@ constexpr KeyRow rows[] = {
 // clang-format on
 
 constexpr SectionRow sections[] = {
-    {"links", true},   {"wall", false},   {"bodies", true},      {"joints", true},   {"joints.motor", false},
-    {"springs", true}, {"torques", true}, {"controllers", true}, {"planes", true},   {"contacts", true},
-    {"ground", false}, {"joint", false},  {"ode", false},        {"maximal", false}, {"tolerances", true}};
+    {"links", true},         {"wall", false},    {"bodies", true},   {"joints", true},
+    {"joints.motor", false}, {"springs", true},  {"torques", true},  {"controllers", true},
+    {"planes", true},        {"contacts", true}, {"ground", false},  {"joint", false},
+    {"ode", false},          {"bullet", false},  {"maximal", false}, {"tolerances", true}};
 
 }  // namespace
 

@@ -95,6 +95,12 @@ Json settings(const RunSummary& run) {
   if (run.uses_bounce) {
     json["ode"] = {{"bounce", json_number(scenario.ode.bounce.value_or(scenario.restitution()))}};
   }
+  if (run.uses_bullet) {
+    json["bullet"] = {{"iterations", scenario.bullet.iterations}, {"erp", scenario.bullet.erp}};
+  }
+  for (const auto& [option, value] : run.told) {
+    json["engine"][option] = std::visit([](const auto& v) { return Json(v); }, value);
+  }
   if (run.uses_maximal) json["maximal"] = {{"ks", scenario.maximal.ks}, {"kd", scenario.maximal.kd}};
   return json;
 }

@@ -9,6 +9,7 @@
 #include "odeval/metrics.hpp"
 #include "odeval/motion.hpp"
 #include "odeval/scenario.hpp"
+#include "odeval/told.hpp"
 
 namespace odeval {
 
@@ -27,9 +28,11 @@ struct RunSummary {
   bool is_reference = false;   // the others' errors are differences from this run
   bool uses_ode = false;       // whether [ode] settings took effect
   bool uses_bounce = false;    // of those the bounce alone
+  bool uses_bullet = false;    // whether [bullet] settings took effect
   bool uses_maximal = false;   // whether [maximal] settings took effect
   std::optional<double> rtol;  // in effect; absent for a fixed step
   std::optional<double> atol;
+  Told told;  // to the engine beside all that
   Outcome outcome;
   Metrics metrics;                // over the whole run
   std::vector<Metrics> error_at;  // one per error time within the run

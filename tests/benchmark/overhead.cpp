@@ -1,9 +1,10 @@
 // What the harness costs beside a bare C loop of dWorldStep on the same world.
 //
-//   odeval-overhead [ROUNDS]
+//   odeval-overhead [ROUNDS] [METHOD...]
 //
 // Interleaved in one run: each round times the bare loop, the harness's stepping loop, the same with every sample
-// recorded, and the whole command `odeval run double_pendulum --method ode-step-double`. Prints medians and the median
+// recorded, and the whole command `odeval run double_pendulum --method ode-step-double`. Then for the other engines of
+// this build, or those methods that are named, the engine's own loop and the harness's. Prints medians and the median
 // of the rounds' ratios; judges nothing.
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -20,6 +21,8 @@
 #include "cli/settings.hpp"
 #include "measure/spread.hpp"
 #include "model/read_scenario.hpp"
+#include "odeval/part.hpp"
+#include "tests/benchmark/bare_engine.h"
 #include "tests/benchmark/bare_loop.h"
 
 namespace {
@@ -50,6 +53,53 @@ double command_seconds(const std::filesystem::path& program, const std::filesyst
   return used() - before;
 }
 
+/// An engine alone, of a module.
+struct Bare {
+  decltype(&bare_create) create;
+  decltype(&bare_run) run;
+  decltype(&bare_height) height;
+  decltype(&bare_destroy) destroy;
+
+  explicit Bare(const std::string& file)
+      : create(odeval::part_function<decltype(create)>(file, "bare_create", "bare loop")),
+        run(odeval::part_function<decltype(run)>(file, "bare_run", "bare loop")),
+        height(odeval::part_function<decltype(height)>(file, "bare_height", "bare loop")),
+        destroy(odeval::part_function<decltype(destroy)>(file, "bare_destroy", "bare loop")) {}
+};
+
+void compare(const odeval::catalogue::Method& method, const odeval::catalogue::Evaluator& evaluator, int rounds) {
+  const std::string name(method.name);
+  const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  const Bare bare(here / ("libodeval_bare_" + name.substr(0, name.find('-')) + ".so"));
+  const odeval::SampleGrid grid = evaluator.grid();
+  std::vector<double> alone, within, ratios;
+  double height = 0;
+  for (int round = -1; round < rounds; ++round) {  // the first round warms up
+    bare.create(name.c_str());
+    double start = cpu_seconds();
+    bare.run(grid.steps());
+    const double alone_s = cpu_seconds() - start;
+    height = bare.height();
+    bare.destroy();
+
+    const auto simulation = evaluator.make(method);
+    start = cpu_seconds();
+    simulation->run(odeval::Recorder());
+    const double within_s = cpu_seconds() - start;
+    if (round < 0) continue;
+    alone.push_back(alone_s);
+    within.push_back(within_s);
+    ratios.push_back(within_s / alone_s);
+  }
+  const auto recorder = evaluator.make(method);
+  odeval::Motion motion(recorder->shape(), static_cast<std::size_t>(grid.rows));
+  recorder->run(odeval::Recorder(motion));
+  const double steps = static_cast<double>(grid.steps());
+  fmt::print("{:<28} bare {:7.3f} µs/step, harness {:7.3f}  {:6.3f} x bare; link 2 at {:.9f} m and {:.9f} m\n", name,
+             1e6 * median(alone) / steps, 1e6 * median(within) / steps, median(ratios), height,
+             motion[motion.size() - 1].bodies[1].position[2]);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -60,6 +110,12 @@ int main(int argc, char** argv) {
   odeval::catalogue::Evaluator evaluator(scenario);
   const odeval::SampleGrid grid = evaluator.grid();
   const odeval::catalogue::Method& method = odeval::catalogue::find_method("ode-step-double");
+  std::vector<std::string> named(argv + std::min(argc, 2), argv + argc);
+  for (const odeval::catalogue::Method& other : odeval::catalogue::methods()) {
+    const bool wanted = named.empty() || std::ranges::find(named, other.name) != named.end();
+    if (other.tells && other.make != nullptr && wanted) compare(other, evaluator, rounds);
+  }
+  if (!named.empty()) return 0;
   const fs::path program = fs::read_symlink("/proc/self/exe").parent_path() / "odeval";
   const fs::path out = fs::temp_directory_path() / fmt::format("odeval-overhead-{}", getpid());
 

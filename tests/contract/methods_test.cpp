@@ -167,6 +167,9 @@ int main() {
     for (const std::string& method : scenario.methods) {
       if (test::in_this_build(method)) check_bodies(scenario, catalogue::find_method(method));
     }
+    for (const catalogue::Method& method : catalogue::methods()) {  // the engines beside ODE
+      if (method.tells && method.make != nullptr && catalogue::does(method, scenario)) check_bodies(scenario, method);
+    }
   }
   for (const Problem& problem : test::planar_problems()) {
     Scenario scenario = test::report_scenario(problem.name, 1.0, 1e-3);
@@ -178,6 +181,9 @@ int main() {
   check_sampling("ode-step-double");
   check_sampling("ode-quickstep-single");
   check_sampling("maximal-ode-step");
+  check_sampling("mujoco-rk4");
+  check_sampling("bullet-hinge-double");
+  check_sampling("simbody-merson");
   check_seed();
   return test::verdict();
 }

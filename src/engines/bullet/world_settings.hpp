@@ -1,0 +1,43 @@
+#pragma once
+// What Bullet's worlds have in common of settings.
+#include <btBulletDynamicsCommon.h>
+
+#include <string>
+
+#include "odeval/scenario.hpp"
+#include "odeval/told.hpp"
+
+namespace odeval::engine_bullet {
+
+/// Every number of the solver that acts on joints.
+inline void set(btContactSolverInfo& solver, const BulletSettings& settings) {
+  solver.m_numIterations = settings.iterations;
+  solver.m_erp = btScalar(settings.erp);
+  solver.m_globalCfm = 0;
+  solver.m_tau = btScalar(0.6);
+  solver.m_damping = 1;
+  solver.m_sor = 1;
+  solver.m_warmstartingFactor = btScalar(0.85);
+  solver.m_leastSquaresResidualThreshold = 0;
+  solver.m_jointFeedbackInWorldSpace = false;
+  solver.m_jointFeedbackInJointFrame = false;
+  solver.m_solverMode = SOLVER_USE_WARMSTARTING | SOLVER_SIMD;
+}
+
+/// The same, read back.
+inline Told common(const btContactSolverInfo& solver) {
+  const std::int64_t version = btGetVersion();
+  return {
+      {"version", std::to_string(version / 100) + "." + std::to_string(version % 100)},
+      {"precision", std::string(sizeof(btScalar) == sizeof(double) ? "double" : "single")},
+      {"iterations", std::int64_t{solver.m_numIterations}},
+      {"erp", double(solver.m_erp)},
+      {"global_cfm", double(solver.m_globalCfm)},
+      {"tau", double(solver.m_tau)},
+      {"damping", double(solver.m_damping)},
+      {"sor", double(solver.m_sor)},
+      {"warm_starting", double((solver.m_solverMode & SOLVER_USE_WARMSTARTING) != 0 ? solver.m_warmstartingFactor : 0)},
+      {"residual_threshold", double(solver.m_leastSquaresResidualThreshold)}};
+}
+
+}  // namespace odeval::engine_bullet

@@ -1,0 +1,184 @@
+#include "engines/dart/dart_world.hpp"
+
+#include <dart/collision/CollisionDetector.hpp>
+#include <dart/config.hpp>
+#include <dart/constraint/ConstraintSolver.hpp>
+#include <dart/dynamics/BallJoint.hpp>
+#include <dart/dynamics/DegreeOfFreedom.hpp>
+#include <dart/dynamics/FreeJoint.hpp>
+#include <dart/dynamics/PrismaticJoint.hpp>
+#include <dart/dynamics/RevoluteJoint.hpp>
+#include <dart/dynamics/UniversalJoint.hpp>
+#include <dart/dynamics/WeldJoint.hpp>
+
+#include <string>
+
+namespace odeval::engine_dart {
+namespace {
+
+namespace dd = dart::dynamics;
+using engine_tree::Degree;
+using engine_tree::Hanging;
+using engine_tree::Place;
+using engine_tree::Placed;
+
+Eigen::Vector3d eigen(const Vec3& v) { return {v[0], v[1], v[2]}; }
+Vec3 ours(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
+
+Eigen::Isometry3d transform(const Place& place) {
+  const Rotation& r = place.rotation;
+  Eigen::Isometry3d made = Eigen::Isometry3d::Identity();
+  made.linear() << r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8];
+  made.translation() = eigen(place.position_m);
+  return made;
+}
+
+dd::BodyNode::Properties properties(const Body& body, std::size_t number) {
+  const std::array<double, 9> i = engine_tree::inertia_of(body);
+  dd::BodyNode::Properties made;
+  made.mName = "b" + std::to_string(number);
+  made.mInertia = dd::Inertia(body.mass_kg, 0, 0, 0, i[0], i[4], i[8], i[1], i[2], i[5]);
+  made.mGravityMode = true;
+  return made;
+}
+
+/// DART tells of two that have the same.
+std::string name_of_joint(const dd::BodyNode::Properties& body) { return "joint of " + body.mName; }
+
+/// A joint's frame stands at its anchor along the world's axes at t = 0, seen from either body.
+template <class Joint, class Change>
+dd::BodyNode* hang_on(dd::SkeletonPtr& skeleton, const Hanging& hanging, dd::BodyNode* parent,
+                      const dd::BodyNode::Properties& body, const Change& change) {
+  typename Joint::Properties joint;
+  joint.mName = name_of_joint(body);
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
+  frame.translation() = eigen(hanging.anchor_m);
+  joint.mT_ParentBodyToJoint = transform(hanging.parent_place).inverse() * frame;
+  joint.mT_ChildBodyToJoint = transform(hanging.place).inverse() * frame;
+  joint.mIsPositionLimitEnforced = false;
+  joint.mActuatorType = dd::Joint::FORCE;
+  change(joint);
+  return skeleton->createJointAndBodyNodePair<Joint>(parent, joint, body).second;
+}
+
+}  // namespace
+
+DartWorld::DartWorld(const Scenario& scenario, double step_s)
+    : world_(dart::simulation::World::create()),
+      skeleton_(dd::Skeleton::create()),
+      nodes_(scenario.mechanism.bodies.size()),
+      bodies_(nodes_.size()) {
+  const Mechanism& mechanism = scenario.mechanism;
+  for (const Hanging& hanging : engine_tree::hang(mechanism)) {
+    dd::BodyNode* const parent = hanging.parent ? nodes_[*hanging.parent] : nullptr;
+    dd::BodyNode* const node = make(hanging, parent, properties(mechanism.bodies[hanging.body], hanging.body));
+    nodes_[hanging.body] = node;
+    dd::Joint* const joint = node->getParentJoint();
+    if (!hanging.joint) {
+      auto* const free = static_cast<dd::FreeJoint*>(joint);
+      free->setTransform(transform(hanging.place));
+      free->setLinearVelocity(eigen(mechanism.bodies[hanging.body].velocity_m_s));
+      free->setAngularVelocity(eigen(hanging.spin_rad_s));
+    }
+    for (std::size_t k = 0; k < hanging.degrees.size(); ++k) joint->setVelocity(k, hanging.degrees[k].rate);
+    for (std::size_t k = 0; hanging.ball && k < 3; ++k) joint->setVelocity(k, hanging.spin_rad_s[k]);
+    if (hanging.degrees.size() == 1) loads_.add(mechanism.joints[*hanging.joint], joint);
+    if (hanging.joint) drive(mechanism.joints[*hanging.joint].motor, *joint);
+  }
+  skeleton_->setMobile(true);
+  skeleton_->disableSelfCollisionCheck();
+  world_->setGravity({0, 0, -scenario.gravity});
+  world_->setTimeStep(step_s);
+  world_->addSkeleton(skeleton_);
+}
+
+/// A force along a hinge or a slider, from outside: of a joint with a servo DART takes none.
+void DartWorld::press(dd::Joint* joint, double force) {
+  dd::BodyNode& child = *joint->getChildBodyNode();
+  dd::BodyNode* const parent = joint->getParentBodyNode();
+  const Eigen::Vector6d motion = force * joint->getRelativeJacobian().col(0);  // turning, then moving, in the child
+  const Eigen::Vector3d torque = child.getWorldTransform().linear() * motion.head<3>();
+  const Eigen::Vector3d along = child.getWorldTransform().linear() * motion.tail<3>();
+  if (dynamic_cast<dd::RevoluteJoint*>(joint) != nullptr) {
+    child.addExtTorque(torque, false);
+    if (parent != nullptr) parent->addExtTorque(-torque, false);
+  } else {
+    const Eigen::Vector3d point = child.getWorldTransform().translation();
+    child.addExtForce(along, point, false, false);
+    if (parent != nullptr) parent->addExtForce(-along, point, false, false);
+  }
+}
+
+/// A servo reaches its speed within a step, with no more than its force.
+void DartWorld::drive(const std::optional<Motor>& motor, dd::Joint& joint) {
+  if (!motor) return;
+  joint.setActuatorType(dd::Joint::SERVO);
+  joint.setForceLowerLimit(0, -motor->most);
+  joint.setForceUpperLimit(0, motor->most);
+  motors_.emplace_back(&joint, motor->speed);
+}
+
+dd::BodyNode* DartWorld::make(const Hanging& hanging, dd::BodyNode* parent, const dd::BodyNode::Properties& body) {
+  const auto axis = [&](std::size_t k) { return eigen(hanging.degrees[k].axis); };
+  const auto none = [](auto&) {};
+  if (!hanging.joint) {
+    dd::FreeJoint::Properties free;
+    free.mName = name_of_joint(body);
+    return skeleton_->createJointAndBodyNodePair<dd::FreeJoint>(nullptr, free, body).second;
+  }
+  if (hanging.ball) return hang_on<dd::BallJoint>(skeleton_, hanging, parent, body, none);
+  if (hanging.degrees.empty()) return hang_on<dd::WeldJoint>(skeleton_, hanging, parent, body, none);
+  if (hanging.degrees.size() == 2) {
+    return hang_on<dd::UniversalJoint>(skeleton_, hanging, parent, body, [&](auto& joint) {
+      joint.mAxis[0] = axis(0);
+      joint.mAxis[1] = axis(1);
+    });
+  }
+  const auto along = [&](auto& joint) { joint.mAxis = axis(0); };
+  if (hanging.degrees[0].turns) return hang_on<dd::RevoluteJoint>(skeleton_, hanging, parent, body, along);
+  return hang_on<dd::PrismaticJoint>(skeleton_, hanging, parent, body, along);
+}
+
+long DartWorld::step(double from, double) {
+  if (!loads_.empty()) {
+    const auto way = [](const dd::Joint* joint) { return joint->getPosition(0); };
+    const auto rate = [](const dd::Joint* joint) { return joint->getVelocity(0); };
+    loads_.sample(from, way, rate);
+    loads_.apply(from, way, rate, &press);
+  }
+  for (const auto& [joint, speed] : motors_) joint->setCommand(0, speed);
+  world_->step(true);  // and forgets forces and commands
+  double sum = 0;
+  for (const dd::DegreeOfFreedom* const degree : skeleton_->getDofs()) {
+    sum += degree->getVelocity() * degree->getVelocity();
+  }
+  engine_tree::require_finite(sum);
+  return 1;
+}
+
+const std::vector<Placed>& DartWorld::bodies() {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const dd::BodyNode& node = *nodes_[i];
+    const Eigen::Isometry3d& place = node.getWorldTransform();
+    bodies_[i].position_m = ours(place.translation());
+    bodies_[i].velocity_m_s = ours(node.getCOMLinearVelocity());
+    bodies_[i].spin_rad_s = ours(node.getAngularVelocity());
+    for (std::size_t row = 0; row < 3; ++row) {
+      for (std::size_t column = 0; column < 3; ++column) {
+        bodies_[i].rotation[3 * row + column] = place.linear()(static_cast<int>(row), static_cast<int>(column));
+      }
+    }
+  }
+  return bodies_;
+}
+
+Told DartWorld::told() const {
+  const auto yes = [](bool is) { return std::string(is ? "on" : "off"); };
+  return {{"version", std::string(DART_VERSION)},
+          {"self_collision", yes(skeleton_->isEnabledSelfCollisionCheck())},
+          {"mobile", yes(skeleton_->isMobile())},
+          {"actuators", std::string("FORCE")},
+          {"collision_detector", world_->getConstraintSolver()->getCollisionDetector()->getType()}};
+}
+
+}  // namespace odeval::engine_dart

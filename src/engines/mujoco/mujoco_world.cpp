@@ -1,0 +1,175 @@
+#include "engines/mujoco/mujoco_world.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "engines/mujoco/model_text.hpp"
+#include "odeval/error.hpp"
+
+namespace odeval::engine_mujoco {
+namespace {
+
+using engine_tree::Degree;
+using engine_tree::Hanging;
+using engine_tree::Lost;
+using engine_tree::Placed;
+
+// MuJoCo would end the program at an error, and write a file of its warnings where it stands.
+void fail(const char* message) { throw MachineError(std::string("MuJoCo: ") + message); }
+void ignore(const char*) {}
+
+mjModel* compiled(const std::string& text) {
+  const char* const file = "mechanism.xml";
+  const auto files = std::make_unique<mjVFS>();
+  mj_defaultVFS(files.get());
+#if mjVERSION_HEADER < 314
+  mj_makeEmptyFileVFS(files.get(), file, static_cast<int>(text.size()));
+  std::memcpy(files->filedata[mj_findFileVFS(files.get(), file)], text.data(), text.size());
+#else
+  mj_addBufferVFS(files.get(), file, text.data(), static_cast<int>(text.size()));
+#endif
+  std::array<char, 500> error{};
+  mjModel* const model = mj_loadXML(file, files.get(), error.data(), static_cast<int>(error.size()));
+  mj_deleteVFS(files.get());
+  if (model == nullptr) fail(error.data());
+  return model;
+}
+
+/// Every option of MuJoCo's that acts on mechanisms without contacts, and the defaults of the others.
+void set(mjOption& options, const Scenario& scenario, double step_s, int integrator) {
+  mj_defaultOption(&options);
+  options.timestep = step_s;
+  options.gravity[0] = 0;
+  options.gravity[1] = 0;
+  options.gravity[2] = -scenario.gravity;
+  options.integrator = integrator;
+  for (double& wind : options.wind) wind = 0;
+  options.density = 0;
+  options.viscosity = 0;
+  options.solver = mjSOL_NEWTON;
+  options.iterations = 100;
+  options.tolerance = 1e-8;
+  options.impratio = 1;
+  options.cone = mjCONE_PYRAMIDAL;
+  options.jacobian = mjJAC_AUTO;
+  options.noslip_iterations = 0;
+  options.disableflags = 0;
+  options.enableflags = 0;
+}
+
+}  // namespace
+
+MujocoWorld::MujocoWorld(const Scenario& scenario, double step_s, const Integrator& integrator)
+    : mechanism_(scenario.mechanism),
+      tree_(engine_tree::hang(mechanism_)),
+      integrator_(integrator.word),
+      bodies_(mechanism_.bodies.size()) {
+  mju_user_error = &fail;
+  mju_user_warning = &ignore;
+  model_.reset(compiled(model_text(mechanism_, tree_)));
+  set(model_->opt, scenario, step_s, integrator.number);
+  data_.reset(mj_makeData(model_.get()));
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    number_.push_back(mj_name2id(model_.get(), mjOBJ_BODY, name_of(i).c_str()));
+  }
+  look_for_loads();
+  start();
+}
+
+MujocoWorld::~MujocoWorld() = default;
+
+void MujocoWorld::look_for_loads() {
+  for (const Hanging& hanging : tree_) {
+    if (hanging.degrees.size() != 1) continue;
+    const int joint = mj_name2id(model_.get(), mjOBJ_JOINT, (name_of(hanging.body) + "d0").c_str());
+    loads_.add(mechanism_.joints[*hanging.joint], {model_->jnt_qposadr[joint], model_->jnt_dofadr[joint]});
+  }
+  if (loads_.empty()) return;
+  MujocoWorld* const self = this;
+  static_assert(sizeof self == sizeof(mjtNum));
+  std::memcpy(data_->userdata, &self, sizeof self);
+  mjcb_passive = &add_loads;  // of all worlds of the process
+}
+
+// A free joint's speeds are the velocity in the world and the spin in the body; a ball's spin is in the body as well.
+void MujocoWorld::start() {
+  for (const Hanging& hanging : tree_) {
+    mjtNum* speed = data_->qvel + model_->body_dofadr[number_[hanging.body]];
+    if (!hanging.joint) {
+      for (const double v : mechanism_.bodies[hanging.body].velocity_m_s) *speed++ = v;
+    }
+    if (!hanging.joint || hanging.ball) {
+      for (const double w : hanging.place.in_body(hanging.spin_rad_s)) *speed++ = w;
+    }
+    for (const Degree& degree : hanging.degrees) *speed++ = degree.rate;
+  }
+}
+
+void MujocoWorld::add_loads(const mjModel* model, mjData* data) {
+  MujocoWorld* self = nullptr;
+  if (model->nuserdata == 0) return;  // another's world
+  std::memcpy(&self, data->userdata, sizeof self);
+  if (self == nullptr) return;
+  self->loads_.apply(
+      self->from_s_ + (data->time - self->from_by_clock_), [self](const Coordinate& at) { return self->way(at); },
+      [self](const Coordinate& at) { return self->rate(at); },
+      [data](const Coordinate& at, double force) { data->qfrc_passive[at.speed] += force; });
+}
+
+// MuJoCo starts anew when a number is lost, and only its count of warnings tells.
+long MujocoWorld::step(double from, double) {
+  from_s_ = from;
+  from_by_clock_ = data_->time;
+  if (!loads_.empty()) {
+    loads_.sample(
+        from, [this](const Coordinate& at) { return way(at); }, [this](const Coordinate& at) { return rate(at); });
+  }
+  mj_step(model_.get(), data_.get());
+  for (const int warning : {mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC}) {
+    if (data_->warning[warning].number > 0) throw Lost("MuJoCo found a number beyond 1e10, or none");
+  }
+  return 1;
+}
+
+const std::vector<Placed>& MujocoWorld::bodies() {
+  mj_kinematics(model_.get(), data_.get());
+  mj_comPos(model_.get(), data_.get());
+  mj_comVel(model_.get(), data_.get());
+  double sum = 0;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    Placed& body = bodies_[i];
+    const std::size_t number = static_cast<std::size_t>(number_[i]);
+    std::array<mjtNum, 6> velocity{};  // turning, then moving
+    mj_objectVelocity(model_.get(), data_.get(), mjOBJ_XBODY, number_[i], velocity.data(), 0);
+    for (std::size_t k = 0; k < 3; ++k) {
+      body.position_m[k] = data_->xpos[3 * number + k];
+      body.spin_rad_s[k] = velocity[k];
+      body.velocity_m_s[k] = velocity[3 + k];
+    }
+    for (std::size_t k = 0; k < 9; ++k) body.rotation[k] = data_->xmat[9 * number + k];
+    sum += dot(body.velocity_m_s, body.velocity_m_s) + dot(body.spin_rad_s, body.spin_rad_s);
+  }
+  engine_tree::require_finite(sum);
+  return bodies_;
+}
+
+Told MujocoWorld::told() const {
+  const mjOption& options = model_->opt;
+  const auto of_names = [](int number, auto... names) { return std::string(std::array{names...}.at(number)); };
+  return {{"version", std::string(mj_versionString())},
+          {"integrator", std::string(integrator_)},
+          {"solver", of_names(options.solver, "PGS", "CG", "Newton")},
+          {"iterations", std::int64_t{options.iterations}},
+          {"tolerance", options.tolerance},
+          {"noslip_iterations", std::int64_t{options.noslip_iterations}},
+          {"impratio", options.impratio},
+          {"cone", of_names(options.cone, "pyramidal", "elliptic")},
+          {"jacobian", of_names(options.jacobian, "dense", "sparse", "auto")},
+          {"density", options.density},
+          {"viscosity", options.viscosity},
+          {"disableflags", std::int64_t{options.disableflags}},
+          {"enableflags", std::int64_t{options.enableflags}}};
+}
+
+}  // namespace odeval::engine_mujoco

@@ -1,0 +1,64 @@
+#pragma once
+// A mechanism in MuJoCo.
+#include <mujoco/mujoco.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engines/tree/hanging.hpp"
+#include "engines/tree/joint_loads.hpp"
+#include "engines/tree/world.hpp"
+#include "odeval/scenario.hpp"
+
+namespace odeval::engine_mujoco {
+
+/// The words of a method and of <option integrator>, and MuJoCo's number for them.
+struct Integrator {
+  const char* method;
+  const char* word;
+  int number;
+};
+
+class MujocoWorld final : public engine_tree::World {
+ public:
+  MujocoWorld(const Scenario& scenario, double step_s, const Integrator& integrator);
+  ~MujocoWorld() override;
+  MujocoWorld(const MujocoWorld&) = delete;
+  MujocoWorld& operator=(const MujocoWorld&) = delete;
+
+  long step(double from, double to) override;
+  const std::vector<engine_tree::Placed>& bodies() override;
+  Told told() const override;
+
+ private:
+  struct Free {
+    void operator()(mjModel* model) const { mj_deleteModel(model); }
+    void operator()(mjData* data) const { mj_deleteData(data); }
+  };
+  /// Where the one coordinate of a hinge or a slider stands.
+  struct Coordinate {
+    int position;  // in mjData::qpos
+    int speed;     // in mjData::qvel
+  };
+
+  void start();
+  void look_for_loads();
+  /// What MuJoCo calls in every stage of a step.
+  static void add_loads(const mjModel* model, mjData* data);
+  double way(const Coordinate& at) const { return data_->qpos[at.position]; }
+  double rate(const Coordinate& at) const { return data_->qvel[at.speed]; }
+
+  Mechanism mechanism_;
+  std::vector<engine_tree::Hanging> tree_;
+  const char* integrator_;
+  std::unique_ptr<mjModel, Free> model_;
+  std::unique_ptr<mjData, Free> data_;
+  std::vector<int> number_;  // MuJoCo's of each body
+  engine_tree::JointLoads<Coordinate> loads_;
+  double from_s_ = 0;         // where the step began,
+  mjtNum from_by_clock_ = 0;  // and by MuJoCo's own clock, which adds steps up
+  std::vector<engine_tree::Placed> bodies_;
+};
+
+}  // namespace odeval::engine_mujoco
