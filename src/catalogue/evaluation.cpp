@@ -5,12 +5,14 @@
 #include <utility>
 
 #include "catalogue/confirmation.hpp"
+#include "catalogue/self_converged.hpp"
 #include "measure/body_trace.hpp"
 #include "measure/cartesian_trace.hpp"
 #include "measure/conditioning.hpp"
 #include "measure/explosion.hpp"
 #include "measure/metrics.hpp"
 #include "model/generate.hpp"
+#include "odeval/error.hpp"
 #include "output/number.hpp"
 #include "output/summary.hpp"
 #include "reference/planar/generalized_trace.hpp"
@@ -46,6 +48,21 @@ std::unique_ptr<Simulation> make_as_asked(const Method& method, const Scenario& 
   return method.make(earlier, grid);
 }
 
+/// By who knows the motion, or ODE itself where he finds that he does not.
+Reference solve(const Scenario& scenario, const SampleGrid& grid) {
+  const ReferenceProvider& provider = provider_of(scenario);
+  try {
+    Reference solved = provider.solve(scenario, grid);
+    if (provider.to_confirm) confirm(solved, scenario, grid);
+    return solved;
+  } catch (const UserError& why) {
+    if (provider.method.empty() || !can_self_converge(scenario)) throw;
+    Reference own = self_converged(scenario, grid);
+    own.origin += std::string(" (") + why.what() + ")";
+    return own;
+  }
+}
+
 Suspects* keeper = nullptr;  // the youngest that lives
 
 }  // namespace
@@ -79,9 +96,7 @@ Evaluator::Evaluator(Scenario scenario, std::shared_ptr<const Reference> referen
 
 const Reference& Evaluator::reference() {
   if (!reference_) {
-    const ReferenceProvider& provider = reference::provider_for(scenario_);
-    Reference solved = provider.solve(scenario_, grid_);
-    if (provider.to_confirm) confirm(solved, scenario_, grid_);
+    Reference solved = solve(scenario_, grid_);
     reference_ = std::make_shared<const Reference>(std::move(solved));
   }
   return *reference_;

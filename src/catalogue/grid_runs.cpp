@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "catalogue/reference_bytes.hpp"
+#include "catalogue/self_converged.hpp"
 #include "odeval/error.hpp"
 #include "output/summary.hpp"
 #include "output/sweep_table.hpp"
@@ -24,6 +25,8 @@ bool moves_the_reference(const std::string& key, const Scenario& scenario) {
   if (joints_are_springs(scenario) && (key == "step" || is_of_spring(key))) return true;
   // Controllers that look once a step are others as well.
   if (key == "step" && std::ranges::any_of(scenario.mechanism.joints, &Joint::sampled)) return true;
+  // Everything moves ODE's own limit.
+  if (can_self_converge(scenario) && (key == "step" || is_engine_setting(key))) return true;
   return !is_engine_setting(key) && std::ranges::none_of(time_keys, is_key);
 }
 

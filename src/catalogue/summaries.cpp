@@ -1,7 +1,7 @@
 #include "catalogue/summaries.hpp"
 
+#include "catalogue/self_converged.hpp"
 #include "catalogue/versions.hpp"
-#include "reference/providers.hpp"
 
 namespace odeval::catalogue {
 
@@ -13,7 +13,7 @@ RunSummary settings_of(const Method& method, const Scenario& scenario) {
   summary.scenario = scenario;
   summary.grid = sample_grid(scenario);
   summary.method = method.name;
-  summary.is_reference = method.name == reference::provider_for(scenario).method && !scenario.rtol && !scenario.atol;
+  summary.is_reference = method.name == provider_of(scenario).method && !scenario.rtol && !scenario.atol;
   summary.uses_ode = has_half_step_start(method);
   summary.uses_bounce = !summary.uses_ode && reads(method, "ode.bounce", scenario);
   summary.uses_bullet = reads(method, "bullet.iterations", scenario);

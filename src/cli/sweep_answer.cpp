@@ -10,6 +10,7 @@
 #include <span>
 
 #include "catalogue/methods.hpp"
+#include "catalogue/self_converged.hpp"
 #include "cli/flags.hpp"
 #include "cli/settings.hpp"
 #include "model/read_scenario.hpp"
@@ -19,7 +20,6 @@
 #include "output/number.hpp"
 #include "output/sweep_table.hpp"
 #include "output/table.hpp"
-#include "reference/providers.hpp"
 #include "report/front.hpp"
 #include "run/front.hpp"
 
@@ -354,7 +354,7 @@ int answer(const Journal& journal, const fs::path& folder, const AnswerOptions& 
   const Scenario scenario = first_point(head);
   Answer answer{metric, ErrorOf(head, metric), {}};
   answer.groups = groups_of(head, group_axes(head, scenario),
-                            write_tables(journal, stem, answer.error, reference::provider_for(scenario).method));
+                            write_tables(journal, stem, answer.error, catalogue::provider_of(scenario).method));
   write_whole(stem + "-front.csv", front_csv(journal, answer, &Group::front));
   const bool two_fronts = std::ranges::any_of(answer.groups, [](const Group& one) { return !one.ode_front.empty(); });
   if (two_fronts) write_whole(stem + "-front-ode.csv", front_csv(journal, answer, &Group::ode_front));

@@ -111,6 +111,7 @@ void add_joint_of_tree(Section section, const JointTable& joint) {
 
 Definition definition_of(const Description& said) {
   Definition all;
+  if (said.limit_of_numbers) all.emplace_back("limit", std::string("numbers"));
   if (said.n) all.emplace_back("n", std::int64_t{*said.n});
   std::size_t number = 0;
   for (const Link& link : said.links) add_link({all, fmt::format("links.{}", number++)}, link);

@@ -88,6 +88,7 @@ struct Description {
   std::vector<LoadTable<Controller>> controllers;
   std::vector<PlaneTable> planes;
   std::vector<ContactTable> contacts;
+  bool limit_of_numbers = false;  // ODE's own limit, where it is the reference, keeps ERP and CFM as numbers
 
   /// The body of that name; nothing without one.
   std::optional<std::size_t> body_named(std::string_view name) const;

@@ -36,6 +36,7 @@ std::vector<std::string> sprung_joint_names(const Names&) {
   return names;
 }
 const JointWord* joint_named(const std::string& word) { return std::ranges::find(joint_words, word, &JointWord::word); }
+std::vector<std::string> limit_names(const Names&) { return {"springs", "numbers"}; }
 std::vector<std::string> sampling_names(const Names&) { return {"step", "continuous"}; }
 std::vector<std::string> start_names(const Names&) { return {"as-given", "half-step"}; }
 std::vector<std::string> rotation_names(const Names&) { return {"infinitesimal", "finite"}; }
@@ -96,6 +97,8 @@ constexpr KeyRow rows[] = {
       [](D&, S& s, const V& v) { s.rtol = v.number; }},
   {"", "atol",     number,  "",      1e-20, 0.1, false, nullptr, "the method's own", "absolute tolerance of adaptive methods",
       [](D&, S& s, const V& v) { s.atol = v.number; }},
+  {"", "limit",    word,    "",      0, 0,       false, limit_names, "springs", "what stays of ERP and CFM as the step goes to 0 where ODE's own limit is the reference: the spring and damper that they are, or their numbers",
+      [](D& d, S&, const V& v) { d.limit_of_numbers = v.word == "numbers"; }},
   {"", "methods",  words,   "",      0, 0,       false, method_names, "none", "what runs without --method",
       [](D&, S& s, const V& v) { s.methods = v.words; }},
 
