@@ -232,6 +232,35 @@ void check_impact() {
   }
 }
 
+/// The edge of a toppling cube stays until it would need more friction than its cone has, and slips then.
+void check_edge_slips() {
+  constexpr double mu = 0.35, h = 1e-3;
+  const Toppling toppling;
+  const double l = toppling.l;
+  double slips = 0;
+  for (bool sticks = true; sticks; slips += 1e-5) {
+    const double at = toppling.angle(slips), spin = toppling.spin(slips), turn = toppling.w * toppling.w * std::sin(at);
+    const double across = l * (turn * std::cos(at) - spin * spin * std::sin(at));
+    sticks = std::fabs(across) <= mu * (g - l * (turn * std::sin(at) + spin * spin * std::cos(at)));
+  }
+  World world;
+  const Quaterniond turn(Eigen::AngleAxisd(M_PI / 4 + Toppling::from, Vector3d::UnitY()));
+  const Vector3d start(l * std::sin(Toppling::from), 0, l * std::cos(Toppling::from));
+  const dBodyID cube = world.box(2, Vector3d::Constant(Toppling::side), start, turn);
+  const Vector3d edge = turn.inverse() * -start;
+  dCreatePlane(world.space, 0, 0, 1, 0);
+  AccurateStep step(world.id, world.space, rubbing(mu));
+  double moved = 0;
+  for (int k = 1; k * h < slips + 0.05; ++k) {
+    step(h);
+    moved = std::fabs((vec(dBodyGetPosition(cube)) + World::turn(cube) * edge)[0]);
+    if (k * h < slips - h) CHECK_BETWEEN(moved, 0, 1e-9);
+  }
+  std::printf("toppling cube: its edge slips at %.4f s, by %.2g m in 0.05 s\n", slips, moved);
+  CHECK_BETWEEN(slips, 0.1, toppling.lands() - 0.06);
+  CHECK_BETWEEN(moved, 1e-5, 1e-2);
+}
+
 /// A ball whose bounces end rests on the ground, neither above it nor in it, whatever the step.
 void check_rest_after_bounces() {
   for (const double h : {0.02, 1e-3}) {
@@ -266,6 +295,7 @@ int main() {
   check_rolling_on_a_line(false);
   check_rolling_on_a_line(true);
   check_toppling();
+  check_edge_slips();
   check_rest_after_bounces();
   check_impact();
   check_refused();
