@@ -274,6 +274,7 @@ void files_ask_for_what_they_hold() {
       {"cart_pole", {Feature::space, Feature::joints_in_space, Feature::motors, Feature::stops, Feature::loads}},
       {"acrobot", {Feature::space, Feature::joints_in_space, Feature::loads, Feature::inertia}},
       {"motor_lift", {Feature::space, Feature::joints_in_space, Feature::motors}},
+      {"newtons_cradle", {Feature::space, Feature::ground, Feature::joints_in_space}},
       {"puma560", {Feature::space, Feature::joints_in_space, Feature::loads, Feature::inertia}},
       {"puma560_falling", {Feature::space, Feature::joints_in_space, Feature::inertia}},
   };

@@ -77,12 +77,17 @@ void what_is_not() {
   const char* const together = "there is no reference for these bodies, joints and contacts together";
   refused(chain(2, LinkShape::box), motor, with_trees ? together : "there is no reference for what has motors");
   refused(of_bodies({}), nothing, together);
+  const Change hung = [](Scenario& s) { s.mechanism.joints = {pin}; };
+  const Change twice = [](Scenario& s) { s.mechanism.contacts.push_back(s.mechanism.contacts[0]); };
+  const Change another = [](Scenario& s) { s.mechanism.contacts[0].first = "another"; };
   const Joint knee{.kind = BallJoint{}, .second = 1};
   for (const auto& [trees, change] :
        {std::pair{of_bodies({box}, {pin}), motor}, std::pair{of_bodies({box}, {pin}), stop},
         std::pair{of_bodies({box}, {pin}), spring}, std::pair{of_bodies({box}), tensor},
         std::pair{of_bodies({box, box}, {pin}), nothing}, std::pair{of_bodies({box, box}, {pin, knee}), nothing},
-        std::pair{of_bodies({box}, {Joint{.kind = SliderJoint{}, .second = {}}}), nothing}}) {
+        std::pair{of_bodies({box}, {Joint{.kind = SliderJoint{}, .second = {}}}), nothing},
+        std::pair{on_plane({ball}, {}), hung}, std::pair{on_plane({ball}, {}), twice},
+        std::pair{on_plane({ball}, {}), another}}) {
     if (with_trees) {
       Scenario scenario = trees;
       change(scenario);
@@ -102,13 +107,7 @@ void what_is_not() {
   refused(chain(2, LinkShape::box), tensor,
           with_trees ? together : "there is no reference for what has inertia tensors of their own");
   refused(
-      on_plane({ball}, {}), [](Scenario& s) { s.mechanism.joints = {pin}; }, together);
-  refused(
       on_plane({ball}, {}), [](Scenario& s) { s.mechanism.obstacles[0].shape = FixedBox{}; }, together);
-  refused(
-      on_plane({ball}, {}), [](Scenario& s) { s.mechanism.contacts.push_back(s.mechanism.contacts[0]); }, together);
-  refused(
-      on_plane({ball}, {}), [](Scenario& s) { s.mechanism.contacts[0].first = "another"; }, together);
   refused(
       on_plane({box}, Friction{0.3}),
       [](Scenario& s) {

@@ -124,14 +124,16 @@ void errors_are_of_what_the_run_has() {
   };
   RunSummary run = example();
   run.metrics[quantity::max_long_axis_spin] = 0.5;  // of links, which the reference bounds no spin of
-  CHECK(names(run) == std::vector<std::string>({"error_q_after_shift", "max_error_q", "reference_uncertainty",
-                                                "rms_error_q", "time_shift", "time_shift_uncertainty"}));
+  CHECK(names(run) ==
+        std::vector<std::string>({"error_q_after_shift", "impact_uncertainty", "max_error_q", "max_impact_error",
+                                  "reference_uncertainty", "rms_error_q", "time_shift", "time_shift_uncertainty"}));
   run.metrics = {};
   run.metrics[quantity::max_error_turn] = 0.5;
   run.metrics[quantity::turn_uncertainty] = 1e-9;
-  CHECK(names(run) == std::vector<std::string>({"error_position_after_shift", "max_error_position", "max_error_turn",
-                                                "max_long_axis_spin", "position_uncertainty", "spin_uncertainty",
-                                                "time_shift", "time_shift_uncertainty", "turn_uncertainty"}));
+  CHECK(names(run) ==
+        std::vector<std::string>({"error_position_after_shift", "impact_uncertainty", "max_error_position",
+                                  "max_error_turn", "max_impact_error", "max_long_axis_spin", "position_uncertainty",
+                                  "spin_uncertainty", "time_shift", "time_shift_uncertainty", "turn_uncertainty"}));
 }
 
 // A spring is shown as it was given and as ODE was told, whatever erp and cfm say; without one the softness as both.

@@ -186,9 +186,8 @@ const std::vector<Case> cases{
      {"ode.erp=0.1,0.8", "ode.cfm=1e-5,1e-9", "ode.iterations=10,50", "ode.sor_w=1.0,1.3", "ode.bounce=0.5,0.7",
       "ode.bounce_vel=0.0,0.1", "ode.max_correcting_vel=0.1,inf", "ode.surface_layer=0.0,0.001",
       "ode.friction_axes=\"plane-space\",\"sliding\"", "ode.start=\"as-given\",\"half-step\"", "ode.seed=1,2",
-      "ode.gyroscopic=\"on\",\"off\"", "ode.rotation=\"infinitesimal\",\"finite\"", "bullet.iterations=10,50", "bullet.erp=0.2,0.5",
-      "maximal.ks=400.0,100.0",
-      "maximal.kd=40.0,20.0", "rtol=1e-3,1e-6", "atol=1e-6,1e-9"},
+      "ode.gyroscopic=\"on\",\"off\"", "ode.rotation=\"infinitesimal\",\"finite\"", "bullet.iterations=10,50",
+      "bullet.erp=0.2,0.5", "maximal.ks=400.0,100.0", "maximal.kd=40.0,20.0", "rtol=1e-3,1e-6", "atol=1e-6,1e-9"},
      {"links.0.depth=0.1,0.2"}},
     {"single_pendulum", "", {"duration=0.1,0.2"}, {}},
     {"double_pendulum", "ode.kd=10.0", {}, {"ode.kp=100.0,1000.0"}},
@@ -249,13 +248,65 @@ const std::vector<Case> cases{
     {"open_hinge", "sample=0.01", {"step=0.001,0.002"}, {}},
 };
 
+/// No scenario that is shipped has [[planes]]: a ball that is about to strike a floor that slides beneath it, and one
+/// that falls beside it.
+constexpr const char* dropped_file = R"(
+problem = "mechanism"
+duration = 0.12
+step = 0.001
+[[bodies]]
+name = "ball"
+shape = "sphere"
+mass = 1.0
+size = [0.2, 0.2, 0.2]
+position = [0.0, 0.0, 0.15]
+velocity = [1.0, 0.0, 0.0]
+[[bodies]]
+name = "other"
+shape = "sphere"
+mass = 1.0
+size = [0.2, 0.2, 0.2]
+position = [0.0, 1.0, 0.14]
+[[bodies]]
+name = "bob"
+shape = "sphere"
+mass = 1.0
+size = [0.2, 0.2, 0.2]
+position = [0.5, 2.0, 3.0]
+[[joints]]
+name = "pivot"
+kind = "hinge"
+parent = "world"
+child = "bob"
+anchor = [0.0, 2.0, 3.0]
+axis = [0.0, 1.0, 0.0]
+[[planes]]
+name = "floor"
+[[contacts]]
+between = ["ball", "floor"]
+restitution = 0.5
+[ode]
+cfm = 1e-5
+)";
+
+const std::vector<Case> cases_of_contacts{
+    {"",
+     "",
+     {"planes.0.normal=[0,0,1],[0.1,0,1]", "planes.0.point=[0,0,0],[0,0,0.01]",
+      "contacts.0.between=[\"ball\",\"floor\"],[\"other\",\"floor\"]", "contacts.0.restitution=0.5,0.8",
+      "contacts.0.friction=0.1,0.2"},
+     {},
+     {"ode.erp=0.2,0.5", "limit=\"springs\",\"numbers\""}},  // of what may need ODE's own limit as its reference
+    // What rubs has ODE's own limit as its reference, which everything moves.
+    {"", "contacts.0.friction=0.1", {"limit=\"springs\",\"numbers\"", "ode.erp=0.2,0.5"}, {}},
+};
+
 struct Pair {
   bool shared;  // one reference for both
   bool same;    // their references, each solved for its own run, are equal to the last bit
 };
 
-Pair of_grid(const Case& one, const char* axis) {
-  const ScenarioFile file = file_of(one.scenario);
+Pair of_grid(const ScenarioFile& file, const Case& one, const char* axis) {
   std::vector<Override> settings;
   const std::string setting = one.settings;
   if (const std::size_t equals = setting.find('='); equals != std::string::npos) {
@@ -282,24 +333,31 @@ std::string key_of(const std::string& axis) {
 
 /// What a build without Simbody has no reference for.
 const std::set<std::string_view> mechanisms{"three_link_arm", "cart_pole", "acrobot"};
-const std::set<std::string_view> of_mechanisms{"joints", "joints.motor", "springs", "torques", "controllers"};
+const std::set<std::string_view> of_mechanisms{"joints",      "joints.motor", "springs",  "torques",
+                                               "controllers", "planes",       "contacts", "limit"};
 
-void runs_share_the_reference_of_their_motion() {
+void runs_share_the_reference_of_their_motion(const fs::path& dropped) {
   // Names that refer to one another can not be changed alone.
-  std::set<std::string> seen{"problem",     "methods",       "bodies.name",   "joints.parent",    "joints.child",
-                             "joints.name", "springs.joint", "torques.joint", "controllers.joint"};
-  const auto check = [&](const Case& one, const char* axis, const std::function<bool(const Pair&)>& right) {
-    const Pair pair = of_grid(one, axis);
-    if (!right(pair)) std::printf("%s --grid %s: shared %d, same %d\n", one.scenario, axis, pair.shared, pair.same);
-    CHECK(right(pair));
-    seen.insert(key_of(axis));
-  };
+  std::set<std::string> seen{"problem",     "methods",       "bodies.name",   "joints.parent",     "joints.child",
+                             "joints.name", "springs.joint", "torques.joint", "controllers.joint", "planes.name"};
   const bool with_trees = reference::mechanism_cvode != nullptr;  // not in a build without Simbody
+  const auto check_all = [&](const ScenarioFile& file, const Case& one) {
+    const auto check = [&](const char* axis, const std::function<bool(const Pair&)>& right) {
+      const Pair pair = of_grid(file, one, axis);
+      if (!right(pair)) std::printf("%s --grid %s: shared %d, same %d\n", one.scenario, axis, pair.shared, pair.same);
+      CHECK(right(pair));
+      seen.insert(key_of(axis));
+    };
+    for (const char* axis : one.motion) check(axis, [](const Pair& p) { return !p.shared && !p.same; });
+    for (const char* axis : one.engine) check(axis, [](const Pair& p) { return p.shared && p.same; });
+    for (const char* axis : one.in_vain) check(axis, [](const Pair& p) { return p.same; });
+  };
   for (const Case& one : cases) {
-    if (!with_trees && mechanisms.contains(one.scenario)) continue;
-    for (const char* axis : one.motion) check(one, axis, [](const Pair& p) { return !p.shared && !p.same; });
-    for (const char* axis : one.engine) check(one, axis, [](const Pair& p) { return p.shared && p.same; });
-    for (const char* axis : one.in_vain) check(one, axis, [](const Pair& p) { return p.same; });
+    if (with_trees || !mechanisms.contains(one.scenario)) check_all(file_of(one.scenario), one);
+  }
+  std::ofstream(dropped) << dropped_file;
+  for (const Case& one : cases_of_contacts) {
+    if (with_trees) check_all(ScenarioFile(dropped), one);
   }
   for (const KeyRow& row : key_table()) {
     const std::string key = (row.section.empty() ? "" : std::string(row.section) + ".") + std::string(row.name);
@@ -328,7 +386,7 @@ int main() {
   const std::string name = folder.path().string();
   every_run_has_its_row(name + "/rows");
   the_front_is_of_runs_that_went_through(name + "/front");
-  runs_share_the_reference_of_their_motion();
+  runs_share_the_reference_of_their_motion(name + "/dropped.toml");
   as_many_rows_are_not_the_same_times();
   return test::verdict();
 }
