@@ -1,5 +1,6 @@
 #pragma once
-// Trees of bodies, on any joints, in generalized coordinates: the reference, and method mechanism-cvode.
+// Trees of bodies, on any joints, and loops that these close, in generalized coordinates: the reference, and method
+// mechanism-cvode.
 #include <memory>
 
 #include "odeval/engine.hpp"
@@ -12,7 +13,7 @@ namespace odeval::reference {
 inline constexpr Features known_of_trees{Feature::space,  Feature::joints_in_space, Feature::inertia,
                                          Feature::motors, Feature::stops,           Feature::loads};
 
-/// Bodies in space whose joints start closed and close no loop; nothing touches them.
+/// Bodies in space whose joints start closed, as a tree or in loops; nothing touches them.
 bool is_tree(const Scenario& scenario);
 
 /// CVODE at the reference's two tolerances, with the bound of tree_uncertainty.hpp on every sample.

@@ -19,7 +19,7 @@ constexpr std::array<std::string_view, 14> names{
     "joints that start open",
     "motors",
     "stops",
-    "springs, torques and controllers of joints",
+    "springs, torques and controllers",
     "inertia tensors of their own",
 };
 
@@ -60,6 +60,7 @@ Features features_of(const Scenario& scenario) {
     if (joint.stop) asked.add(Feature::stops);
     if (joint.loaded()) asked.add(Feature::loads);
   }
+  if (!mechanism.struts.empty()) asked.add(Feature::loads);
   for (const Body& body : mechanism.bodies) {
     if (body.inertia_kgm2) asked.add(Feature::inertia);
   }

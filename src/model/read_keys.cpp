@@ -121,6 +121,7 @@ void add_to(Draft& draft, std::string_view section) {
   if (section == "springs") said.springs.emplace_back();
   if (section == "torques") said.torques.emplace_back();
   if (section == "controllers") said.controllers.emplace_back().load.sampled = true;
+  if (section == "struts") said.struts.emplace_back();
   if (section == "tolerances") draft.scenario.tolerances.emplace_back();
 }
 

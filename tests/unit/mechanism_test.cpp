@@ -233,7 +233,7 @@ std::string_view words_of(Feature feature) {
     case Feature::stops:
       return "stops";
     case Feature::loads:
-      return "springs, torques and controllers of joints";
+      return "springs, torques and controllers";
     case Feature::inertia:
       return "inertia tensors of their own";
   }
@@ -273,6 +273,9 @@ void files_ask_for_what_they_hold() {
       {"three_link_arm", {Feature::space, Feature::joints_in_space, Feature::inertia}},
       {"cart_pole", {Feature::space, Feature::joints_in_space, Feature::motors, Feature::stops, Feature::loads}},
       {"acrobot", {Feature::space, Feature::joints_in_space, Feature::loads, Feature::inertia}},
+      {"iftomm_bricard", {Feature::space, Feature::joints_in_space}},
+      {"iftomm_governor", {Feature::space, Feature::joints_in_space, Feature::inertia, Feature::loads}},
+      {"iftomm_squeezer", {Feature::space, Feature::joints_in_space, Feature::inertia, Feature::loads}},
       {"motor_lift", {Feature::space, Feature::joints_in_space, Feature::motors}},
   };
   Names names{catalogue::method_names(), {}};
