@@ -90,9 +90,40 @@ struct UniversalJoint {
 struct FixedJoint {
   Vec3 anchor_m{};  // as of a ball joint
 };
+/// Leaves a way along an axis and a turn about it.
+struct PistonJoint {
+  Vec3 anchor_m{};     // a point of the axis
+  Vec3 axis{0, 0, 1};  // unit
+};
+/// A hinge on a slider (ODE's PR): leaves a way along an axis and a turn about another at right angles to it.
+struct SlidingHingeJoint {
+  Vec3 anchor_m{};      // a point of the hinge, which the second body carries, or the world
+  Vec3 axis1{1, 0, 0};  // unit, of the way, fixed in the first body
+  Vec3 axis2{0, 1, 0};  // unit, of the turn
+};
+/// A universal joint on a slider (ODE's PU).
+struct SlidingUniversalJoint {
+  Vec3 anchor_m{};      // of the universal joint, which the second body carries, or the world
+  Vec3 way{0, 0, 1};    // unit, fixed in the first body
+  Vec3 axis1{1, 0, 0};  // as of a universal joint
+  Vec3 axis2{0, 1, 0};  // likewise
+};
+/// A wheel that is steered and sprung: turns about two axes, and goes along the first against a spring and a damper.
+struct Hinge2Joint {
+  Vec3 anchor_m{};       // of the second body, where the suspension is relaxed
+  Vec3 axis1{0, 0, 1};   // unit, of steering and suspension, fixed in the first body
+  Vec3 axis2{0, 1, 0};   // unit, of the wheel, fixed in the second body, at right angles to the other
+  double stiffness = 0;  // of the suspension, N/m
+  double damping = 0;    // likewise, N s/m; one of the two is above 0
+};
+/// Holds a body in the plane z = 0, which it may turn in: the first body, and the second is the world.
+struct PlaneJoint {
+  Vec3 anchor_m{};  // a point of the body
+};
 /// Every switch over kinds is a visit of this variant, so that a new kind is a list of compile errors and never an
 /// else.
-using JointKind = std::variant<BallJoint, HingeJoint, SliderJoint, UniversalJoint, FixedJoint>;
+using JointKind = std::variant<BallJoint, HingeJoint, SliderJoint, UniversalJoint, FixedJoint, PistonJoint,
+                               SlidingHingeJoint, SlidingUniversalJoint, Hinge2Joint, PlaneJoint>;
 
 /// Where a joint's halves meet when it is closed; of a slider a point of its line.
 const Vec3& anchor_m(const JointKind& kind);
@@ -172,6 +203,18 @@ struct Joint {
   double sampled_load(double t, double q, double rate) const;
 };
 
+/// A spring and a damper on the straight line between a point of one body and a point of another, or of the world. It
+/// pulls by stiffness (length - rest) + damping d(length)/dt.
+struct Strut {
+  std::size_t first = 0;              // number of a body
+  std::optional<std::size_t> second;  // absent: the world
+  Vec3 first_end_m{};                 // in the world at t = 0, fixed in the first body
+  Vec3 second_end_m{};                // likewise, in the second body or the world
+  double stiffness_N_m = 0;
+  double damping_Ns_m = 0;
+  double rest_m = 0;
+};
+
 // ---- Contacts
 
 /// All that lies below a plane.
@@ -225,6 +268,7 @@ struct Mechanism {
   std::vector<Joint> joints;        // in the order in which an engine is given them
   std::vector<Obstacle> obstacles;  // what stands still
   std::vector<Contact> contacts;    // which of them touch; empty: none
+  std::vector<Strut> struts = {};   // springs between points
 };
 
 /// How far the velocities and spins of its bodies are from what the joint leaves free; an opening is not looked at.

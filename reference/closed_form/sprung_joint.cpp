@@ -22,6 +22,11 @@ struct HoldsAPoint {
   bool operator()(const SliderJoint&) const { return false; }
   bool operator()(const UniversalJoint&) const { return false; }
   bool operator()(const FixedJoint&) const { return false; }
+  bool operator()(const PistonJoint&) const { return false; }
+  bool operator()(const SlidingHingeJoint&) const { return false; }
+  bool operator()(const SlidingUniversalJoint&) const { return false; }
+  bool operator()(const Hinge2Joint&) const { return false; }
+  bool operator()(const PlaneJoint&) const { return false; }
 };
 
 /// What in a start gives it another motion.

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <variant>
 
+#include "odeval/error.hpp"
 #include "reference/tree/simbody_tree.hpp"
 
 namespace odeval::reference {
@@ -85,8 +86,16 @@ struct Carry {
     body.velocity += at.u[0] * along;
     body.acceleration += 2 * at.u[0] * parent.spin.cross(along);
   }
+  void operator()(const PistonJoint&) const { refuse("piston"); }
+  void operator()(const SlidingHingeJoint&) const { refuse("pr"); }
+  void operator()(const SlidingUniversalJoint&) const { refuse("pu"); }
+  void operator()(const Hinge2Joint&) const { refuse("hinge2"); }
+  void operator()(const PlaneJoint&) const { refuse("plane2d"); }
 
  private:
+  [[noreturn]] static void refuse(const char* kind) {
+    throw MachineError(std::string("a joint of kind ") + kind + " is of no robot: its import can not be proved");
+  }
   /// How a point moves that is fixed in the parent.
   void ride(const Vector3d& point, Vector3d& velocity, Vector3d& acceleration) const {
     const Vector3d arm = point - parent.centre;
@@ -139,6 +148,11 @@ struct CountSpeeds {
   std::size_t operator()(const SliderJoint&) const { return 1; }
   std::size_t operator()(const UniversalJoint&) const { return 2; }
   std::size_t operator()(const FixedJoint&) const { return 0; }
+  std::size_t operator()(const PistonJoint&) const { return 2; }
+  std::size_t operator()(const SlidingHingeJoint&) const { return 2; }
+  std::size_t operator()(const SlidingUniversalJoint&) const { return 3; }
+  std::size_t operator()(const Hinge2Joint&) const { return 3; }
+  std::size_t operator()(const PlaneJoint&) const { return 3; }
 };
 
 }  // namespace
@@ -152,7 +166,7 @@ std::vector<std::size_t> speeds_of(const Mechanism& mechanism, const std::vector
 }
 
 JointSpace joint_space_of(const Mechanism& mechanism, const TreeState& state, double gravity) {
-  const std::vector<Branch> tree = spanning_tree(mechanism).value();
+  const std::vector<Branch> tree = spanning_tree(mechanism);
   const std::vector<std::size_t> speeds = speeds_of(mechanism, tree);
   std::vector<std::size_t> first(speeds.size());
   std::exclusive_scan(speeds.begin(), speeds.end(), first.begin(), std::size_t{0});
@@ -200,15 +214,17 @@ JointSpace joint_space_of(const Mechanism& mechanism, const TreeState& state, do
 std::optional<JointSpace> joint_space_by_simbody(const Mechanism&, const TreeState&, double) { return std::nullopt; }
 #else
 std::optional<JointSpace> joint_space_by_simbody(const Mechanism& mechanism, const TreeState& state, double gravity) {
-  const std::vector<Branch> tree = spanning_tree(mechanism).value();
+  const std::vector<Branch> tree = spanning_tree(mechanism);
   const std::vector<std::size_t> speeds = speeds_of(mechanism, tree);
+  std::vector<std::size_t> branch_of(tree.size());
+  for (std::size_t i = 0; i < tree.size(); ++i) branch_of[tree[i].body] = i;
   const std::unique_ptr<SimbodyTree> simbody = open_simbody_tree(mechanism, tree, gravity);
   std::vector<double> y = simbody->start();
   std::vector<std::size_t> places;  // of our speeds among Simbody's
   for (std::size_t b = 0; b < state.size(); ++b) {
     if (speeds[b] == 0) continue;
     const auto& [q, u] = state[b];
-    double* const at = &y[simbody->place_of_coordinate(b)];
+    double* const at = &y[simbody->place_of_coordinate(branch_of[b])];
     if (speeds[b] < 3) {
       std::copy_n(q.begin(), speeds[b], at);
     } else {  // a quaternion, which starts where the body stands
@@ -220,8 +236,8 @@ std::optional<JointSpace> joint_space_by_simbody(const Mechanism& mechanism, con
       for (std::size_t k = 3; k < speeds[b]; ++k) at[1 + k] += q[k];
     }
     for (std::size_t k = 0; k < speeds[b]; ++k) {
-      y[simbody->place_of_speed(b) + k] = u[k];
-      places.push_back(simbody->place_of_speed(b) + k - simbody->first_speed());
+      y[simbody->place_of_speed(branch_of[b]) + k] = u[k];
+      places.push_back(simbody->place_of_speed(branch_of[b]) + k - simbody->first_speed());
     }
   }
   const SimbodyTree::JointForces forces = simbody->joint_forces(y.data());

@@ -2,6 +2,8 @@
 
 #include <Simbody.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -41,45 +43,112 @@ SimTK::Transform place_of(const Body& body) {
   return {simbody(rotation_of(rotation_vector(body.attitude))), simbody(body.position_m)};
 }
 
-SimTK::Body::Rigid rigid(const Body& body) {
+/// One of so many equal parts of a body, or the whole.
+SimTK::Body::Rigid rigid(const Body& body, double parts) {
   const Vec3 moments = body.uniform_moments_kgm2();
   const std::array<double, 9> i =
       body.inertia_kgm2.value_or(std::array{moments[0], 0.0, 0.0, 0.0, moments[1], 0.0, 0.0, 0.0, moments[2]});
-  return SimTK::Body::Rigid({body.mass_kg, SimTK::Vec3(0), SimTK::Inertia(i[0], i[4], i[8], i[1], i[2], i[5])});
+  const SimTK::Inertia whole(i[0], i[4], i[8], i[1], i[2], i[5]);
+  if (parts == 1) return SimTK::Body::Rigid({body.mass_kg, SimTK::Vec3(0), whole});
+  return SimTK::Body::Rigid({body.mass_kg / parts, SimTK::Vec3(0), whole / parts});
 }
 
-/// A body on its joint, and the joint's frame in the world at t = 0: both bodies' halves of it coincide there.
+/// Bodies that hang one on the other, and how the one before each is turned at t = 0.
+struct Chain {
+  std::vector<SimTK::MobilizedBody> bodies;
+  std::vector<SimTK::Rotation> turned;
+};
+
+/// A body on its joint, and the joint's frame in the world at t = 0: both bodies' halves of it coincide there. A joint
+/// that Simbody does not have is made of two, with a massless body between them.
 struct Hanging {
   SimTK::MobilizedBody& parent;
   SimTK::Transform parent_place;
   const SimTK::Body::Rigid& body;
   SimTK::Transform place;
   bool body_is_first;  // of the joint
+  SimTK::GeneralForceSubsystem& loads;
 
   template <class Mobilizer>
-  SimTK::MobilizedBody on(const SimTK::Rotation& axes, const Vec3& anchor) const {
+  static SimTK::MobilizedBody hang(SimTK::MobilizedBody& carrier, const SimTK::Transform& carrier_place,
+                                   const SimTK::Body& carried, const SimTK::Transform& carried_place,
+                                   const SimTK::Rotation& axes, const Vec3& anchor) {
     const SimTK::Transform frame(axes, simbody(anchor));
-    return Mobilizer(parent, ~parent_place * frame, body, ~place * frame);
+    return Mobilizer(carrier, ~carrier_place * frame, carried, ~carried_place * frame);
+  }
+  template <class Mobilizer>
+  Chain on(const SimTK::Rotation& axes, const Vec3& anchor) const {
+    return {{hang<Mobilizer>(parent, parent_place, body, place, axes, anchor)}, {parent_place.R()}};
+  }
+  template <class First, class Second>
+  Chain on(const SimTK::Rotation& axes, const SimTK::Rotation& next_axes, const Vec3& anchor) const {
+    const SimTK::Transform between(simbody(anchor));
+    SimTK::MobilizedBody middle = hang<First>(parent, parent_place, SimTK::Body::Massless(), between, axes, anchor);
+    const SimTK::MobilizedBody end = hang<Second>(middle, between, body, place, next_axes, anchor);
+    return {{middle, end}, {parent_place.R(), SimTK::Rotation()}};
   }
 
-  SimTK::MobilizedBody operator()(const BallJoint& ball) const {
+  static SimTK::Rotation about_z(const Vec3& axis) {
+    const auto [x, y] = across(axis);
+    return of_axes(x, y, axis);
+  }
+  static SimTK::Rotation along_x(const Vec3& axis) {
+    const auto [y, z] = across(axis);
+    return of_axes(axis, y, z);
+  }
+  /// Of a universal joint, which turns about the parent's x and its own y.
+  SimTK::Rotation crossed(const Vec3& axis1, const Vec3& axis2) const {
+    const Vec3& x = body_is_first ? axis2 : axis1;
+    const Vec3& y = body_is_first ? axis1 : axis2;
+    return of_axes(x, y, cross(x, y));
+  }
+
+  Chain operator()(const BallJoint& ball) const {
     return on<SimTK::MobilizedBody::Ball>(SimTK::Rotation(), ball.anchor_m);
   }
-  SimTK::MobilizedBody operator()(const HingeJoint& hinge) const {  // turns about z
-    const auto [x, y] = across(hinge.axis);
-    return on<SimTK::MobilizedBody::Pin>(of_axes(x, y, hinge.axis), hinge.anchor_m);
+  Chain operator()(const HingeJoint& hinge) const {
+    return on<SimTK::MobilizedBody::Pin>(about_z(hinge.axis), hinge.anchor_m);
   }
-  SimTK::MobilizedBody operator()(const SliderJoint& slider) const {  // goes along x
-    const auto [y, z] = across(slider.axis);
-    return on<SimTK::MobilizedBody::Slider>(of_axes(slider.axis, y, z), slider.anchor_m);
+  Chain operator()(const SliderJoint& slider) const {
+    return on<SimTK::MobilizedBody::Slider>(along_x(slider.axis), slider.anchor_m);
   }
-  SimTK::MobilizedBody operator()(const UniversalJoint& joint) const {  // turns about the parent's x and its own y
-    const Vec3& x = body_is_first ? joint.axis2 : joint.axis1;
-    const Vec3& y = body_is_first ? joint.axis1 : joint.axis2;
-    return on<SimTK::MobilizedBody::Universal>(of_axes(x, y, cross(x, y)), joint.anchor_m);
+  Chain operator()(const UniversalJoint& joint) const {
+    return on<SimTK::MobilizedBody::Universal>(crossed(joint.axis1, joint.axis2), joint.anchor_m);
   }
-  SimTK::MobilizedBody operator()(const FixedJoint& joint) const {
+  Chain operator()(const FixedJoint& joint) const {
     return on<SimTK::MobilizedBody::Weld>(SimTK::Rotation(), joint.anchor_m);
+  }
+  Chain operator()(const PistonJoint& piston) const {
+    return on<SimTK::MobilizedBody::Cylinder>(about_z(piston.axis), piston.anchor_m);
+  }
+  Chain operator()(const SlidingHingeJoint& joint) const {
+    using Way = SimTK::MobilizedBody::Slider;
+    using Turn = SimTK::MobilizedBody::Pin;
+    const SimTK::Rotation way = along_x(joint.axis1);
+    const SimTK::Rotation turn = about_z(joint.axis2);
+    return body_is_first ? on<Turn, Way>(turn, way, joint.anchor_m) : on<Way, Turn>(way, turn, joint.anchor_m);
+  }
+  Chain operator()(const SlidingUniversalJoint& joint) const {
+    return sliding(joint.way, joint.axis1, joint.axis2, joint.anchor_m);
+  }
+  Chain operator()(const Hinge2Joint& wheel) const {
+    Chain chain = sliding(wheel.axis1, wheel.axis1, wheel.axis2, wheel.anchor_m);
+    const SimTK::MobilizedBody& slides = body_is_first ? chain.bodies[1] : chain.bodies[0];
+    SimTK::Force::MobilityLinearSpring(loads, slides, SimTK::MobilizerUIndex(0), wheel.stiffness, 0);
+    SimTK::Force::MobilityLinearDamper(loads, slides, SimTK::MobilizerUIndex(0), wheel.damping);
+    return chain;
+  }
+  Chain operator()(const PlaneJoint& joint) const {
+    return on<SimTK::MobilizedBody::Planar>(SimTK::Rotation(), joint.anchor_m);
+  }
+
+ private:
+  Chain sliding(const Vec3& along, const Vec3& axis1, const Vec3& axis2, const Vec3& anchor) const {
+    using Way = SimTK::MobilizedBody::Slider;
+    using Turns = SimTK::MobilizedBody::Universal;
+    const SimTK::Rotation way = along_x(along);
+    const SimTK::Rotation turns = crossed(axis1, axis2);
+    return body_is_first ? on<Turns, Way>(turns, way, anchor) : on<Way, Turns>(way, turns, anchor);
   }
 };
 
@@ -89,15 +158,17 @@ class Tree final : public SimbodyTree {
 
   std::string version() const override;
   const std::vector<double>& start() const override { return start_; }
-  std::size_t place_of_coordinate(std::size_t body) const override;
-  std::size_t place_of_speed(std::size_t body) const override;
+  std::size_t place_of_coordinate(std::size_t branch) const override;
+  std::size_t place_of_speed(std::size_t branch) const override;
   std::size_t first_speed() const override;
-  void push(std::size_t body, double force) override;
-  Vec3 direction(const double* y, std::size_t body, const Vec3& axis_at_start) override;
-  const std::vector<double>& kick(const double* y, std::size_t body) override;
+  void push(std::size_t branch, double force) override;
+  Vec3 direction(const double* y, std::size_t branch, const Vec3& axis_at_start) override;
+  const std::vector<double>& kick(const double* y, std::size_t branch) override;
   Impulse impulse(const double* y, std::size_t body, std::optional<std::size_t> other, const Vec3& point,
                   const Vec3& direction) override;
   void slope(const double* y, double* dydt) override;
+  const Closure& closure(const double* y) override;
+  Eigen::VectorXd rates(const double* y, const Eigen::VectorXd& speeds) override;
   const std::vector<Placed>& bodies(const double* y) override;
   const std::vector<Placed>& pushed(double dt) override;
   const std::vector<Vec3>& forces(const double* y) override;
@@ -112,6 +183,51 @@ class Tree final : public SimbodyTree {
   std::vector<double> kick_;
 };
 
+/// The speeds that loops allow, at the coordinates of the last state that was asked for.
+struct Loops {
+  int equations = 0;  // 0: there are none
+  /// How many of them no others imply: as at t = 0. Where loops are not quite closed those that are implied look as if
+  /// they were not.
+  Eigen::Index rank = -1;
+  std::vector<double> coordinates;
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factors;  // of the constraints' Jacobian, turned over
+  Closure closure;
+
+  /// The least speeds that change what the constraints hold by this.
+  Eigen::VectorXd least(const Eigen::VectorXd& change) const {
+    const Eigen::VectorXd ordered = factors.colsPermutation().transpose() * change;
+    Eigen::VectorXd speeds = Eigen::VectorXd::Zero(factors.rows());
+    speeds.head(rank) = factors.matrixR()
+                            .topLeftCorner(rank, rank)
+                            .template triangularView<Eigen::Upper>()
+                            .transpose()
+                            .solve(ordered.head(rank));
+    speeds.applyOnTheLeft(factors.householderQ());
+    return speeds;
+  }
+};
+
+/// A constraint that others imply up to this, of the largest, is one of them.
+constexpr double implied = 1e-9;
+
+std::vector<double> numbers(const SimTK::Vector& vector) {
+  std::vector<double> all;
+  for (int i = 0; i < vector.size(); ++i) all.push_back(vector[i]);
+  return all;
+}
+
+Eigen::VectorXd eigen(const SimTK::Vector& vector) {
+  Eigen::VectorXd all(vector.size());
+  for (int i = 0; i < vector.size(); ++i) all[i] = vector[i];
+  return all;
+}
+
+SimTK::Vector simbody(const Eigen::VectorXd& vector) {
+  SimTK::Vector all(static_cast<int>(vector.size()));
+  for (int i = 0; i < all.size(); ++i) all[i] = vector[i];
+  return all;
+}
+
 struct Tree::System {
   Mechanism mechanism;
   std::vector<Branch> tree;
@@ -120,10 +236,11 @@ struct Tree::System {
   SimTK::SimbodyMatterSubsystem matter{all};
   SimTK::GeneralForceSubsystem loads{all};
   std::optional<SimTK::Force::DiscreteForces> pushes;  // where anything pushes
+  std::vector<Chain> hung;                             // by branches
   std::vector<SimTK::MobilizedBody> bodies;            // by their numbers in the mechanism
   SimTK::State state;
-  SimTK::Vector pushed;  // the same forces, by speeds
   SimTK::Vector_<SimTK::SpatialVec> reactions;
+  Loops loops;
 
   System(Mechanism of, std::vector<Branch> order, double pull)
       : mechanism(std::move(of)), tree(std::move(order)), gravity(pull), bodies(mechanism.bodies.size()) {
@@ -132,14 +249,14 @@ struct Tree::System {
     for (const Joint& joint : mechanism.joints) {
       if (joint.driven() && !pushes) pushes.emplace(loads, matter);
     }
+    for (const Strut& strut : mechanism.struts) add(strut);
     all.realizeTopology();
     state = all.getDefaultState();
     for (const Branch& branch : tree) {
       if (!branch.joint) bodies[branch.body].setQToFitTransform(state, place_of(mechanism.bodies[branch.body]));
     }
     all.realize(state, SimTK::Stage::Position);
-    for (const Branch& branch : tree) set_speed(branch);
-    pushed = SimTK::Vector(matter.getNumMobilities(), 0.0);
+    for (std::size_t i = 0; i < tree.size(); ++i) set_speed(tree[i], hung[i]);
   }
 
   void realize(const double* y, SimTK::Stage stage) {
@@ -148,27 +265,109 @@ struct Tree::System {
     all.realize(state, stage);
   }
 
+  const SimTK::MobilizedBody& body_of(std::size_t branch) const { return hung[branch].bodies.back(); }
+  int place_of_speed(std::size_t branch) const { return int(body_of(branch).getFirstUIndex(state)); }
+
+  /// Of the state that was realized last, to velocities.
+  void find_loops() {
+    const std::vector<double> now = numbers(state.getQ());
+    if (loops.equations == 0 || now == loops.coordinates) return;
+    loops.coordinates = now;
+    SimTK::Matrix jacobian;
+    matter.calcG(state, jacobian);
+    Eigen::MatrixXd turned(jacobian.ncol(), jacobian.nrow());
+    for (int i = 0; i < jacobian.nrow(); ++i) {
+      for (int j = 0; j < jacobian.ncol(); ++j) turned(j, i) = jacobian(i, j);
+    }
+    loops.factors.setThreshold(implied);
+    loops.factors.compute(turned);
+    if (loops.rank < 0) loops.rank = loops.factors.rank();
+    const Eigen::Index rank = loops.rank;
+    loops.closure.free = Eigen::MatrixXd::Zero(turned.rows(), turned.rows() - rank);
+    loops.closure.free.bottomRows(turned.rows() - rank).setIdentity();
+    loops.closure.free.applyOnTheLeft(loops.factors.householderQ());
+    const Eigen::VectorXd open = eigen(state.getQErr()).head(loops.equations);
+    loops.closure.error = open.cwiseAbs().maxCoeff();
+    loops.closure.mend = loops.least(-open);
+    loops.closure.implied = rank < loops.equations;
+  }
+
+  /// Accelerations that keep loops closed: `least`, which are the least ones that do where nothing else acts, and what
+  /// the forces add that those leave over.
+  SimTK::Vector accelerate(const Eigen::VectorXd& least, const SimTK::Vector& along,
+                           const SimTK::Vector_<SimTK::SpatialVec>& on_bodies) const {
+    SimTK::Vector left_over;
+    matter.calcResidualForceIgnoringConstraints(state, along, on_bodies, simbody(least), left_over);
+    return simbody(least - freely(eigen(left_over)));
+  }
+
+  /// What forces along all speeds do to them, as far as loops allow.
+  Eigen::VectorXd freely(const Eigen::VectorXd& forces) const {
+    const Eigen::MatrixXd& free = loops.closure.free;
+    Eigen::MatrixXd mass(free.rows(), free.cols());
+    for (Eigen::Index j = 0; j < free.cols(); ++j) {
+      SimTK::Vector column;
+      matter.multiplyByM(state, simbody(free.col(j)), column);
+      mass.col(j) = eigen(column);
+    }
+    return free * (free.transpose() * mass).llt().solve(free.transpose() * forces);
+  }
+
+  /// What an impulse along all speeds adds to them, in the state that was realized last, to velocities.
+  SimTK::Vector gained_by(const SimTK::Vector& impulse) {
+    find_loops();
+    if (loops.equations > 0) return simbody(freely(eigen(impulse)));
+    SimTK::Vector gained;
+    matter.multiplyByMInv(state, impulse, gained);
+    return gained;
+  }
+
  private:
   SimTK::Transform place_of_parent(const Branch& branch) const {
     return branch.parent ? place_of(mechanism.bodies[*branch.parent]) : SimTK::Transform();
   }
 
+  double parts_of(std::size_t body) const {
+    double parts = 0;
+    for (const Branch& branch : tree) parts += branch.body == body ? 1 : 0;
+    return parts;
+  }
+
   void add(const Branch& branch) {
     const Body& what = mechanism.bodies[branch.body];
-    const SimTK::Body::Rigid body = rigid(what);
+    const SimTK::Body::Rigid body = rigid(what, parts_of(branch.body));
+    SimTK::MobilizedBody ground = matter.updGround();
     if (!branch.joint) {
-      bodies[branch.body] = SimTK::MobilizedBody::Free(matter.updGround(), body);
+      bodies[branch.body] = SimTK::MobilizedBody::Free(ground, body);
+      hung.push_back({{bodies[branch.body]}, {SimTK::Rotation()}});
       return;
     }
     const Joint& joint = mechanism.joints[*branch.joint];
-    SimTK::MobilizedBody ground = matter.updGround();
     SimTK::MobilizedBody& parent = branch.parent ? bodies[*branch.parent] : ground;
-    bodies[branch.body] = std::visit(
-        Hanging{parent, place_of_parent(branch), body, place_of(what), joint.first == branch.body}, joint.kind);
+    hung.push_back(std::visit(
+        Hanging{parent, place_of_parent(branch), body, place_of(what), joint.first == branch.body, loads}, joint.kind));
+    SimTK::MobilizedBody& made = hung.back().bodies.back();
+    if (branch.again) {
+      SimTK::Constraint::Weld(bodies[branch.body], made);
+      loops.equations += 6;
+    } else {
+      bodies[branch.body] = made;
+    }
+  }
+
+  void add(const Strut& strut) {
+    const SimTK::MobilizedBody& first = bodies[strut.first];
+    const SimTK::MobilizedBody& ground = matter.updGround();
+    const SimTK::MobilizedBody& second = strut.second ? bodies[*strut.second] : ground;
+    const SimTK::Vec3 first_end = ~place_of(mechanism.bodies[strut.first]) * simbody(strut.first_end_m);
+    const SimTK::Transform second_place = strut.second ? place_of(mechanism.bodies[*strut.second]) : SimTK::Transform();
+    const SimTK::Vec3 second_end = ~second_place * simbody(strut.second_end_m);
+    SimTK::Force::TwoPointLinearSpring(loads, first, first_end, second, second_end, strut.stiffness_N_m, strut.rest_m);
+    SimTK::Force::TwoPointLinearDamper(loads, first, first_end, second, second_end, strut.damping_Ns_m);
   }
 
   /// What the joint leaves of the body's velocity against that of its parent.
-  void set_speed(const Branch& branch) {
+  void set_speed(const Branch& branch, const Chain& chain) {
     const Body& what = mechanism.bodies[branch.body];
     const Body world{};
     const Body& parent = branch.parent ? mechanism.bodies[*branch.parent] : world;
@@ -178,23 +377,18 @@ struct Tree::System {
     };
     const SimTK::SpatialVec relative(simbody(what.spin_rad_s - parent.spin_rad_s),
                                      simbody(velocity(what) - velocity(parent)));
-    const SimTK::MobilizedBody& body = bodies[branch.body];
-    const SimTK::Rotation frame = place_of_parent(branch).R() * body.getInboardFrame(state).R();
-    body.setUToFitVelocity(state, ~frame * relative);
+    for (std::size_t i = 0; i < chain.bodies.size(); ++i) {
+      const SimTK::Rotation frame = chain.turned[i] * chain.bodies[i].getInboardFrame(state).R();
+      chain.bodies[i].setUToFitVelocity(state, ~frame * relative);
+    }
   }
 };
-
-std::vector<double> numbers(const SimTK::Vector& vector) {
-  std::vector<double> all;
-  for (int i = 0; i < vector.size(); ++i) all.push_back(vector[i]);
-  return all;
-}
 
 Tree::Tree(const Mechanism& mechanism, const std::vector<Branch>& tree, double gravity)
     : system_(std::make_unique<System>(mechanism, tree, gravity)),
       start_(numbers(system_->state.getY())),
       bodies_(mechanism.bodies.size()),
-      forces_(mechanism.bodies.size()) {}
+      forces_(tree.size()) {}
 
 std::string Tree::version() const {
   int major = 0;
@@ -204,42 +398,40 @@ std::string Tree::version() const {
   return std::to_string(major) + "." + std::to_string(minor);
 }
 
-std::size_t Tree::place_of_coordinate(std::size_t body) const {
-  return static_cast<std::size_t>(int(system_->bodies[body].getFirstQIndex(system_->state)));
+std::size_t Tree::place_of_coordinate(std::size_t branch) const {
+  return static_cast<std::size_t>(int(system_->body_of(branch).getFirstQIndex(system_->state)));
 }
 
 std::size_t Tree::first_speed() const { return static_cast<std::size_t>(system_->state.getNQ()); }
 
-std::size_t Tree::place_of_speed(std::size_t body) const {
-  return first_speed() + static_cast<std::size_t>(int(system_->bodies[body].getFirstUIndex(system_->state)));
+std::size_t Tree::place_of_speed(std::size_t branch) const {
+  return first_speed() + static_cast<std::size_t>(system_->place_of_speed(branch));
 }
 
 // Fixed in the body, which does not turn against what it slides on.
-Vec3 Tree::direction(const double* y, std::size_t body, const Vec3& axis_at_start) {
+Vec3 Tree::direction(const double* y, std::size_t branch, const Vec3& axis_at_start) {
   system_->realize(y, SimTK::Stage::Position);
-  const SimTK::Rotation start = place_of(system_->mechanism.bodies[body]).R();
-  return ours(system_->bodies[body].getBodyRotation(system_->state) * (~start * simbody(axis_at_start)));
+  const SimTK::Rotation start = place_of(system_->mechanism.bodies[system_->tree[branch].body]).R();
+  return ours(system_->body_of(branch).getBodyRotation(system_->state) * (~start * simbody(axis_at_start)));
 }
 
-void Tree::push(std::size_t body, double force) {
-  system_->pushes->setOneMobilityForce(system_->state, system_->bodies[body], SimTK::MobilizerUIndex(0), force);
-  system_->pushed[int(system_->bodies[body].getFirstUIndex(system_->state))] = force;
+void Tree::push(std::size_t branch, double force) {
+  system_->pushes->setOneMobilityForce(system_->state, system_->body_of(branch), SimTK::MobilizerUIndex(0), force);
 }
 
-const std::vector<double>& Tree::kick(const double* y, std::size_t body) {
-  system_->realize(y, SimTK::Stage::Position);
-  SimTK::Vector impulse(system_->matter.getNumMobilities(), 0.0);
-  impulse[int(system_->bodies[body].getFirstUIndex(system_->state))] = 1;
-  SimTK::Vector gained;
-  system_->matter.multiplyByMInv(system_->state, impulse, gained);
-  kick_ = numbers(gained);
+const std::vector<double>& Tree::kick(const double* y, std::size_t branch) {
+  System& system = *system_;
+  system.realize(y, SimTK::Stage::Velocity);
+  SimTK::Vector impulse(system.matter.getNumMobilities(), 0.0);
+  impulse[system.place_of_speed(branch)] = 1;
+  kick_ = numbers(system.gained_by(impulse));
   return kick_;
 }
 
 SimbodyTree::Impulse Tree::impulse(const double* y, std::size_t body, std::optional<std::size_t> other,
                                    const Vec3& point, const Vec3& direction) {
   System& system = *system_;
-  system.realize(y, SimTK::Stage::Position);
+  system.realize(y, SimTK::Stage::Velocity);
   SimTK::Vector_<SimTK::SpatialVec> loads(system.matter.getNumBodies(), SimTK::SpatialVec(SimTK::Vec3(0)));
   const auto load = [&](std::size_t number, const SimTK::Vec3& push) {
     const SimTK::MobilizedBody& on = system.bodies[number];
@@ -248,16 +440,43 @@ SimbodyTree::Impulse Tree::impulse(const double* y, std::size_t body, std::optio
   };
   load(body, simbody(direction));
   if (other) load(*other, -simbody(direction));
-  SimTK::Vector along, gained;
+  SimTK::Vector along;
   system.matter.multiplyBySystemJacobianTranspose(system.state, loads, along);
-  system.matter.multiplyByMInv(system.state, along, gained);
-  return {numbers(along), numbers(gained)};
+  return {numbers(along), numbers(system.gained_by(along))};
 }
 
 void Tree::slope(const double* y, double* dydt) {
-  system_->realize(y, SimTK::Stage::Acceleration);
-  const SimTK::Vector& slopes = system_->state.getYDot();
-  for (int i = 0; i < slopes.size(); ++i) dydt[i] = slopes[i];
+  System& system = *system_;
+  if (system.loops.equations == 0) {
+    system.realize(y, SimTK::Stage::Acceleration);
+    const SimTK::Vector& slopes = system.state.getYDot();
+    for (int i = 0; i < slopes.size(); ++i) dydt[i] = slopes[i];
+    return;
+  }
+  system.realize(y, SimTK::Stage::Dynamics);
+  system.find_loops();
+  const SimTK::Vector rest(system.matter.getNumMobilities(), 0.0);
+  SimTK::Vector opening;
+  system.matter.calcConstraintAccelerationErrors(system.state, rest, opening);
+  const SimTK::Vector gained = system.accelerate(system.loops.least(-eigen(opening)),
+                                                 system.all.getMobilityForces(system.state, SimTK::Stage::Dynamics),
+                                                 system.all.getRigidBodyForces(system.state, SimTK::Stage::Dynamics));
+  const SimTK::Vector& rates = system.state.getQDot();
+  for (int i = 0; i < rates.size(); ++i) dydt[i] = rates[i];
+  for (int i = 0; i < gained.size(); ++i) dydt[rates.size() + i] = gained[i];
+}
+
+const Closure& Tree::closure(const double* y) {
+  system_->realize(y, SimTK::Stage::Velocity);
+  system_->find_loops();
+  return system_->loops.closure;
+}
+
+Eigen::VectorXd Tree::rates(const double* y, const Eigen::VectorXd& speeds) {
+  system_->realize(y, SimTK::Stage::Position);
+  SimTK::Vector rates;
+  system_->matter.multiplyByN(system_->state, false, simbody(speeds), rates);
+  return eigen(rates);
 }
 
 const std::vector<Placed>& Tree::bodies(const double* y) {
@@ -274,20 +493,27 @@ const std::vector<Placed>& Tree::bodies(const double* y) {
 
 const std::vector<Placed>& Tree::pushed(double dt) {
   System& system = *system_;
-  system.realize(start_.data(), SimTK::Stage::Velocity);
-  SimTK::Vector_<SimTK::SpatialVec> loads(system.matter.getNumBodies(), SimTK::SpatialVec(SimTK::Vec3(0)));
-  for (const SimTK::MobilizedBody& body : system.bodies) {
+  system.realize(start_.data(), SimTK::Stage::Dynamics);
+  system.find_loops();
+  const SimTK::Vector along = system.all.getMobilityForces(system.state, SimTK::Stage::Dynamics);
+  SimTK::Vector_<SimTK::SpatialVec> loads = system.all.getRigidBodyForces(system.state, SimTK::Stage::Dynamics);
+  for (SimTK::MobilizedBodyIndex i(1); i < system.matter.getNumBodies(); ++i) {
+    const SimTK::MobilizedBody& body = system.matter.getMobilizedBody(i);
     const SimTK::Vec3& spin = body.getBodyAngularVelocity(system.state);
     const SimTK::Inertia inertia =
         body.getBodyMassProperties(system.state).getInertia().reexpress(~body.getBodyRotation(system.state));
-    const double weight = body.getBodyMass(system.state) * system.gravity;
-    loads[body.getMobilizedBodyIndex()] = SimTK::SpatialVec(-spin % (inertia * spin), SimTK::Vec3(0, 0, -weight));
+    loads[i][0] -= spin % (inertia * spin);
   }
   system.state.updU() = 0;
-  system.all.realize(system.state, SimTK::Stage::Dynamics);
+  system.all.realize(system.state, SimTK::Stage::Velocity);
   SimTK::Vector gained;
-  SimTK::Vector_<SimTK::SpatialVec> unused;
-  system.matter.calcAccelerationIgnoringConstraints(system.state, system.pushed, loads, gained, unused);
+  if (system.loops.equations > 0) {
+    gained = system.accelerate(Eigen::VectorXd::Zero(along.size()), along, loads);
+  } else {
+    system.all.realize(system.state, SimTK::Stage::Dynamics);
+    SimTK::Vector_<SimTK::SpatialVec> unused;
+    system.matter.calcAccelerationIgnoringConstraints(system.state, along, loads, gained, unused);
+  }
   std::vector<double> y = start_;
   const std::size_t coordinates = y.size() - static_cast<std::size_t>(gained.size());
   for (int i = 0; i < gained.size(); ++i) y[coordinates + static_cast<std::size_t>(i)] += dt * gained[i];
@@ -298,7 +524,7 @@ const std::vector<Vec3>& Tree::forces(const double* y) {
   system_->realize(y, SimTK::Stage::Acceleration);
   system_->matter.calcMobilizerReactionForces(system_->state, system_->reactions);
   for (std::size_t i = 0; i < forces_.size(); ++i) {
-    forces_[i] = ours(system_->reactions[system_->bodies[i].getMobilizedBodyIndex()][1]);
+    forces_[i] = ours(system_->reactions[system_->body_of(i).getMobilizedBodyIndex()][1]);
   }
   return forces_;
 }

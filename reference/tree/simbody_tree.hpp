@@ -1,6 +1,8 @@
 #pragma once
-// A tree of bodies in Simbody, which is loaded when the first is wanted. Its headers are C++17 (in C++20 they are
-// ambiguous), so is what stands here and beside it, and nothing that includes them is included elsewhere.
+// A tree of bodies in Simbody, and the loops that joints close in it, which is loaded when the first is wanted. Its
+// headers are C++17 (in C++20 they are ambiguous), so is what stands here and beside it, and nothing that includes them
+// is included elsewhere.
+#include <Eigen/Core>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,7 +23,16 @@ struct Placed {
   double first_coordinate = 0;  // of what it hangs on: a hinge's angle from t = 0, rad; 0 where there is none
 };
 
-/// The state is what Simbody calls Q and U, one after the other.
+/// How a state keeps loops closed. Speeds are in their order in a state.
+struct Closure {
+  double error = 0;      // the largest part by which a loop is open, m or rad
+  Eigen::VectorXd mend;  // speeds that would close all within 1 s, the least ones that do
+  Eigen::MatrixXd free;  // speeds that loops allow: unit columns, at right angles to each other
+  bool implied = false;  // some of what loops hold follows from the rest
+};
+
+/// The state is what Simbody calls Q and U, one after the other. A joint that closes a loop hangs a second part of its
+/// body on the tree, which shares the body's mass and is welded to it.
 class SimbodyTree {
  public:
   virtual ~SimbodyTree() = default;
@@ -32,16 +43,16 @@ class SimbodyTree {
   /// At t = 0. Of the velocities of the bodies those that the joints allow.
   virtual const std::vector<double>& start() const = 0;
 
-  /// Where the one coordinate of what a body hangs on, and its speed, stand in a state; of hinges and sliders.
-  virtual std::size_t place_of_coordinate(std::size_t body) const = 0;
-  virtual std::size_t place_of_speed(std::size_t body) const = 0;
+  /// Where the one coordinate of a branch's joint, and its speed, stand in a state; of hinges and sliders.
+  virtual std::size_t place_of_coordinate(std::size_t branch) const = 0;
+  virtual std::size_t place_of_speed(std::size_t branch) const = 0;
   virtual std::size_t first_speed() const = 0;
   /// A force along that coordinate, N m or N, from now on.
-  virtual void push(std::size_t body, double force) = 0;
+  virtual void push(std::size_t branch, double force) = 0;
   /// Where that of a slider leads, in the world.
-  virtual Vec3 direction(const double* y, std::size_t body, const Vec3& axis_at_start) = 0;
+  virtual Vec3 direction(const double* y, std::size_t branch, const Vec3& axis_at_start) = 0;
   /// What a unit impulse along it adds to all speeds, in their order in a state; stays until the next call.
-  virtual const std::vector<double>& kick(const double* y, std::size_t body) = 0;
+  virtual const std::vector<double>& kick(const double* y, std::size_t branch) = 0;
 
   /// What a unit impulse in a direction does at a point of a body, and its opposite at that point of another one, if
   /// there is one.
@@ -52,13 +63,18 @@ class SimbodyTree {
   virtual Impulse impulse(const double* y, std::size_t body, std::optional<std::size_t> other, const Vec3& point,
                           const Vec3& direction) = 0;
 
-  /// dy/dt
+  /// dy/dt, of a state whose loops are closed.
   virtual void slope(const double* y, double* dydt) = 0;
+  /// Where there are loops; stays until the next call.
+  virtual const Closure& closure(const double* y) = 0;
+  /// The rates of all coordinates at the coordinates of a state and any speeds.
+  virtual Eigen::VectorXd rates(const double* y, const Eigen::VectorXd& speeds) = 0;
   /// By the numbers of bodies; stays until the next call.
   virtual const std::vector<Placed>& bodies(const double* y) = 0;
   /// At t = 0, with the speeds that weights, gyroscopic torques and pushes alone would have given after dt, s.
   virtual const std::vector<Placed>& pushed(double dt) = 0;
-  /// The force of what each body hangs on, on it, N, world frame; stays until the next call.
+  /// The force of each branch's joint on its body, N, world frame; stays until the next call. Where loops hold more
+  /// than they need to, one of many ways to share it.
   virtual const std::vector<Vec3>& forces(const double* y) = 0;
 
   /// The matrix of all speeds in their order in a state, by rows, and the forces that keep their rates at 0.
@@ -69,8 +85,9 @@ class SimbodyTree {
   virtual JointForces joint_forces(const double* y) = 0;
 };
 
-/// The tree is the mechanism's, whose joints start closed. Loads Simbody, which takes longer than most runs and brings
-/// BLAS with threads of its own. Throws MachineError when it can not be loaded.
+/// The tree is the mechanism's, whose joints start closed; its branches have their places there as numbers. Loads
+/// Simbody, which takes longer than most runs and brings BLAS with threads of its own. Throws MachineError when it can
+/// not be loaded.
 std::unique_ptr<SimbodyTree> open_simbody_tree(const Mechanism& mechanism, const std::vector<Branch>& tree,
                                                double gravity);
 

@@ -1,7 +1,5 @@
 #include "reference/tree/spanning_tree.hpp"
 
-#include <algorithm>
-
 namespace odeval::reference {
 namespace {
 
@@ -18,12 +16,13 @@ class Growth {
       add({body, {}, {}});
       follow();
     }
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      const Joint& joint = joints_[j];
+      if (used_[j]) continue;
+      const std::size_t body = joint.carried();
+      tree_.push_back({body, j, joint.second ? std::optional(joint.first) : std::nullopt, true});
+    }
     return tree_;
-  }
-
-  /// A joint that hangs nothing on anything closes a loop.
-  bool closes_loop() const {
-    return !std::ranges::all_of(used_, [](bool used) { return used; });
   }
 
  private:
@@ -57,11 +56,6 @@ class Growth {
 
 }  // namespace
 
-std::optional<std::vector<Branch>> spanning_tree(const Mechanism& mechanism) {
-  Growth growth(mechanism);
-  std::vector<Branch> tree = growth.grow();
-  if (growth.closes_loop()) return std::nullopt;
-  return tree;
-}
+std::vector<Branch> spanning_tree(const Mechanism& mechanism) { return Growth(mechanism).grow(); }
 
 }  // namespace odeval::reference

@@ -1,5 +1,7 @@
 #include "reference/tree/tree_equations.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
@@ -7,6 +9,7 @@
 #include <limits>
 #include <numeric>
 
+#include "odeval/error.hpp"
 #include "reference/maximal/box_lcp.hpp"
 #include "reference/tree/simbody_tree.hpp"
 
@@ -22,7 +25,7 @@ Eigen::MatrixXd mobility(SimbodyTree& simbody, const double* y, const std::vecto
   Eigen::MatrixXd a(count, count);
   for (Eigen::Index j = 0; j < count; ++j) {
     const TreeEquations::Axis& pushed = axes[which[static_cast<std::size_t>(j)]];
-    const std::vector<double>& kick = simbody.kick(y, pushed.body);
+    const std::vector<double>& kick = simbody.kick(y, pushed.branch);
     for (Eigen::Index i = 0; i < count; ++i) {
       const TreeEquations::Axis& axis = axes[which[static_cast<std::size_t>(i)]];
       a(i, j) = axis.sign * pushed.sign * kick[axis.speed - simbody.first_speed()];
@@ -41,24 +44,35 @@ double load(const TreeEquations::Axis& axis, double t, const double* y) {
 TreeEquations::TreeEquations(const Scenario& scenario)
     : joints_(scenario.mechanism.joints),
       planar_(scenario.planar),
-      tree_(spanning_tree(scenario.mechanism).value()),
+      tree_(spanning_tree(scenario.mechanism)),
       simbody_(open_simbody_tree(scenario.mechanism, tree_, scenario.gravity)),
       points_(contact_points(scenario.mechanism).value()),
+      loops_(static_cast<std::size_t>(std::ranges::count_if(tree_, &Branch::again))),
       start_(simbody_->start()) {
-  for (const Branch& branch : tree_) {
+  for (std::size_t i = 0; i < tree_.size(); ++i) {
+    const Branch& branch = tree_[i];
     if (!branch.joint || !joints_[*branch.joint].driven()) continue;
     const Joint& joint = joints_[*branch.joint];
     Axis axis{joint,
-              branch.body,
+              i,
               joint.first == branch.body ? 1.0 : -1.0,
-              simbody_->place_of_coordinate(branch.body),
-              simbody_->place_of_speed(branch.body),
+              simbody_->place_of_coordinate(i),
+              simbody_->place_of_speed(i),
               0};
     if (joint.sampled()) {
       axis.held = start_.size();
       start_.push_back(0);
     }
     axes_.push_back(axis);
+  }
+  if (loops_ > 0) {
+    const std::shared_ptr<const LoopChart> around = chart(start_);
+    if (around->size() == start_.size() - simbody_->start().size()) {
+      throw UserError(fmt::format("{}: the joints leave nothing that can move", scenario.name));
+    }
+    if (!around->find(around->small(start_).data(), start_)) {
+      throw MachineError(fmt::format("reference for '{}': its loops can not be closed at t = 0", scenario.name));
+    }
   }
   start_ = sampled(0, start_.data());
 }
@@ -67,11 +81,29 @@ TreeEquations::~TreeEquations() = default;
 
 std::string TreeEquations::version() const { return "Simbody " + simbody_->version(); }
 
+bool TreeEquations::forces_are_known() const { return loops_ == 0 || !simbody_->closure(start_.data()).implied; }
+
+std::shared_ptr<const LoopChart> TreeEquations::chart(const State& around) const {
+  return std::make_shared<LoopChart>(*simbody_, loops_ > 0, around);
+}
+
+void TreeEquations::slope(const LoopChart& chart, double t, const double* small, double* slope,
+                          const Grips& grips) const {
+  if (chart.trivial()) {
+    (*this)(t, small, slope, grips);
+    return;
+  }
+  State state;
+  State whole(size(), std::numeric_limits<double>::quiet_NaN());
+  if (chart.find(small, state)) (*this)(t, state.data(), whole.data(), grips);
+  chart.small(whole.data(), slope);
+}
+
 /// Gives Simbody all forces along axes; `held` are those of axes that hold.
 void TreeEquations::push(double t, const double* y, const Grips& grips, const std::vector<double>& held) const {
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const Axis& axis = axes_[i];
-    simbody_->push(axis.body, axis.sign * (load(axis, t, y) + (grips[i].holds ? held[i] : grips[i].force)));
+    simbody_->push(axis.branch, axis.sign * (load(axis, t, y) + (grips[i].holds ? held[i] : grips[i].force)));
   }
 }
 
@@ -107,6 +139,7 @@ void TreeEquations::operator()(double t, const double* y, double* dydt, const Gr
 void TreeEquations::show(const double* y, std::span<BodyState> bodies) const {
   const std::vector<Placed>& placed = simbody_->bodies(y);
   for (const Branch& branch : tree_) {
+    if (branch.again) continue;
     const Placed& body = placed[branch.body];
     BodyState& state = bodies[branch.body];
     state = {
@@ -124,13 +157,14 @@ void TreeEquations::forces(double t, const double* y, const Grips& grips, std::s
   for (const Axis& axis : axes_) {  // a slider's load is a force, but not one of the joint
     const auto* const slider = std::get_if<SliderJoint>(&axis.joint.kind);
     if (slider == nullptr || !axis.joint.loaded()) continue;
-    const Vec3 along = simbody_->direction(y, axis.body, slider->axis);
-    on_body[axis.body] = on_body[axis.body] - axis.sign * load(axis, t, y) * along;
+    const Vec3 along = simbody_->direction(y, axis.branch, slider->axis);
+    on_body[axis.branch] = on_body[axis.branch] - axis.sign * load(axis, t, y) * along;
   }
-  for (const Branch& branch : tree_) {
+  for (std::size_t i = 0; i < tree_.size(); ++i) {
+    const Branch& branch = tree_[i];
     if (!branch.joint) continue;
     const double sign = joints_[*branch.joint].carried() == branch.body ? 1 : -1;
-    joints[*branch.joint].force = sign * on_body[branch.body];
+    joints[*branch.joint].force = sign * on_body[i];
   }
 }
 
@@ -236,7 +270,7 @@ TreeEquations::State TreeEquations::struck(const double* y, const Strike& strike
   for (std::size_t i = 0; i < strike.axes.size(); ++i) {
     const Axis& axis = axes_[strike.axes[i]];
     after[axis.way] = axis.sign * (strike.away[i] > 0 ? axis.joint.stop->low : axis.joint.stop->high);
-    const std::vector<double>& kick = simbody_->kick(y, axis.body);
+    const std::vector<double>& kick = simbody_->kick(y, axis.branch);
     const double along = axis.sign * strike.away[i] * impulse[static_cast<Eigen::Index>(i)];
     for (std::size_t j = 0; j < kick.size(); ++j) after[simbody_->first_speed() + j] += along * kick[j];
   }

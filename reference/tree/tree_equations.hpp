@@ -1,6 +1,6 @@
 #pragma once
 // Equations of motion of a tree of bodies in generalized coordinates: Simbody's, which take time in proportion to the
-// number of bodies.
+// number of bodies. Where joints close loops, the accelerations that these allow.
 #include <Eigen/Core>
 #include <memory>
 #include <optional>
@@ -11,12 +11,10 @@
 #include "odeval/motion.hpp"
 #include "odeval/scenario.hpp"
 #include "reference/tree/contact_points.hpp"
+#include "reference/tree/loop_chart.hpp"
 #include "reference/tree/spanning_tree.hpp"
 
 namespace odeval::reference {
-
-class SimbodyTree;
-struct Placed;
 
 /// What a driven joint's motor and stop do for a while. Their force counts as a motor counts (mechanism.hpp).
 struct Grip {
@@ -41,17 +39,17 @@ class TreeEquations {
   /// A joint that something drives, stops or loads.
   struct Axis {
     Joint joint;
-    std::size_t body;   // that hangs on it in the tree
-    double sign;        // of its way against the coordinate in the state
-    std::size_t way;    // places in a state
-    std::size_t speed;  // likewise
-    std::size_t held;   // likewise, of the held load where there is one
+    std::size_t branch;  // number in the tree
+    double sign;         // of its way against the coordinate in the state
+    std::size_t way;     // places in a state
+    std::size_t speed;   // likewise
+    std::size_t held;    // likewise, of the held load where there is one
 
     double q(const double* y) const { return sign * y[way]; }
     double rate(const double* y) const { return sign * y[speed]; }
   };
 
-  /// The mechanism is a tree (spanning_tree.hpp) of closed joints. Of its start the velocities that the joints allow.
+  /// The mechanism's joints are closed. Of its start the velocities that they allow.
   explicit TreeEquations(const Scenario& scenario);
   ~TreeEquations();
 
@@ -62,6 +60,15 @@ class TreeEquations {
   /// The state at t = 0.
   const State& start() const { return start_; }
   const std::vector<Axis>& axes() const { return axes_; }
+  /// How many loops the joints close.
+  std::size_t loops() const { return loops_; }
+  /// Whether every joint's force is known: not where loops hold something twice.
+  bool forces_are_known() const;
+
+  /// Small states around a state.
+  std::shared_ptr<const LoopChart> chart(const State& around) const;
+  /// Likewise their slopes: of no number where loops can not be closed.
+  void slope(const LoopChart& chart, double t, const double* small, double* slope, const Grips& grips) const;
 
   /// dy/dt
   void operator()(double t, const double* y, double* dydt, const Grips& grips) const;
@@ -137,6 +144,7 @@ class TreeEquations {
   std::unique_ptr<SimbodyTree> simbody_;
   std::vector<Axis> axes_;
   std::vector<ContactPoint> points_;
+  std::size_t loops_ = 0;
   State start_;
 };
 

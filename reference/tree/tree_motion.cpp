@@ -20,6 +20,11 @@ constexpr double same_time = 1e-11;
 /// Where a step is looked at for what has no turning points to go by.
 constexpr int looks = 4;
 
+/// So many steps that come no further than this part of the run are none: loops near a pose in which they may branch
+/// off are known ever less well, so that steps become ever smaller.
+constexpr long steps_of_progress = 200;
+constexpr double least_progress = 1e-6;
+
 /// So many changes without a way between them are no motion.
 constexpr int most_in_a_row = 100;
 
@@ -45,9 +50,12 @@ TreeMotion::TreeMotion(const TreeEquations& equations, const Scenario& scenario,
       name_(scenario.name),
       file_(scenario.file.empty() ? scenario.name : scenario.file),
       step_s_(scenario.step_s),
+      duration_s_(scenario.duration_s),
       grips_(equations.grips(0, equations.start().data())),
+      chart_(equations.chart(equations.start())),
       solver_(
-          equations.size(), [this](double t, const double* y, double* dydt) { equations_(t, y, dydt, grips_); },
+          chart_->size(),
+          [this](double t, const double* y, double* dydt) { equations_.slope(*chart_, t, y, dydt, grips_); },
           tolerances, scenario.name, scenario.duration_s),
       state_(equations.start()) {
   for (const Axis& axis : equations.axes()) {
@@ -57,7 +65,8 @@ TreeMotion::TreeMotion(const TreeEquations& equations, const Scenario& scenario,
   std::ranges::sort(bends_);
   for (const Body& body : scenario.mechanism.bodies) names_.push_back(body.name);
   require_clear_start();
-  solver_.start(0, state_.data());
+  small_ = chart_->small(state_);
+  solver_.start(0, small_.data());
 }
 
 void TreeMotion::require_clear_start() const {
@@ -101,7 +110,8 @@ double TreeMotion::next_known_time() const {
 void TreeMotion::advance() {
   if (change_) {
     grips_ = std::move(change_->grips);
-    solver_.start(end_, change_->after.data());
+    chart_ = std::move(change_->chart);
+    solver_.start(end_, chart_->small(change_->after).data());
     change_.reset();
   }
   require_progress();
@@ -110,17 +120,32 @@ void TreeMotion::advance() {
   if (std::isfinite(known)) solver_.end_by(known);
   solver_.step();
   end_ = solver_.end();
-  if (equations_.axes().empty() && equations_.points().empty()) return;
+  require_loops_that_go_on();
   if (const std::optional<Event> event = first_event()) {
     happen(*event);
   } else if (end_ >= known) {
     happen_at_known_time();
+  } else if (!chart_->trivial() && chart_->is_left_by(at(end_))) {
+    leave_chart();
   }
 }
 
+void TreeMotion::require_loops_that_go_on() {
+  if (chart_->trivial() || solver_.steps() % steps_of_progress != 0) return;
+  if (end_ - marked_s_ < least_progress * duration_s_) {
+    throw MachineError(
+        fmt::format("reference for '{}': at t = {} s its loops come to a pose in which they may branch off; a "
+                    "shorter duration ends before it",
+                    name_, end_));
+  }
+  marked_s_ = end_;
+}
+
 const TreeMotion::State& TreeMotion::at(double t) {
-  if (solver_.steps() > 0) solver_.interpolate(t, state_.data());
-  return state_;
+  if (solver_.steps() == 0) return state_;
+  solver_.interpolate(t, small_.data());
+  if (chart_->find(small_.data(), state_)) return state_;
+  throw MachineError(fmt::format("reference for '{}': at t = {} s its loops can not be closed", name_, t));
 }
 
 std::optional<TreeMotion::Event> TreeMotion::first_event() {
@@ -217,7 +242,7 @@ std::optional<double> TreeMotion::first_zero(const std::function<double(double)>
 void TreeMotion::happen(const Event& event) {
   if (event.point) return meet(event);
   const Axis& axis = equations_.axes()[event.axis];
-  Change change{event.t, at(event.t), {}, {}, {}, {}};
+  Change change{event.t, at(event.t), {}, {}, {}, {}, {}};
   if (event.strikes) {
     const double* const now = change.before.data();
     const bool low = gap(axis, now, true) < gap(axis, now, false);
@@ -246,7 +271,7 @@ void TreeMotion::happen(const Event& event) {
 }
 
 void TreeMotion::meet(const Event& event) {
-  Change change{event.t, at(event.t), {}, {}, {}, {}};
+  Change change{event.t, at(event.t), {}, {}, {}, {}, {}};
   const double* const now = change.before.data();
   const TreeEquations::Hit hit = equations_.hit(now, *event.point);
   if (std::ranges::min(hit.restitution) == 0) {
@@ -266,10 +291,17 @@ void TreeMotion::meet(const Event& event) {
 }
 
 void TreeMotion::happen_at_known_time() {
-  Change change{end_, at(end_), {}, {}, {}, {}};
+  Change change{end_, at(end_), {}, {}, {}, {}, {}};
   change.jump = [this, t = end_](const State& y) { return equations_.sampled(t, y.data()); };
   change.after = change.jump(change.before);
   change.grips = equations_.grips(end_, change.after.data());
+  change_to(std::move(change));
+}
+
+void TreeMotion::leave_chart() {
+  Change change{end_, at(end_), {}, grips_, {}, {}, {}};
+  change.jump = [](const State& y) { return y; };
+  change.after = change.before;
   change_to(std::move(change));
 }
 
@@ -290,6 +322,7 @@ void TreeMotion::change_to(Change change) {
     change.after[axis.speed] = driven ? axis.sign * motor->speed : 0;
   }
   end_ = change.t;
+  change.chart = equations_.chart(change.after);
   change_ = std::move(change);
 }
 

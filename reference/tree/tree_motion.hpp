@@ -5,6 +5,7 @@
 // motor reaches its speed or the force it needs for that reaches its limit, bodies meet. Steps end at the known times
 // at which controllers look and tables bend.
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +25,7 @@ class TreeMotion {
     State before;
     State after;
     Grips grips;                                        // from then on
+    std::shared_ptr<const LoopChart> chart;             // likewise
     std::function<State(const State&)> jump;            // from before to after, of states beside it as well
     std::function<double(double, const State&)> cause;  // reaches a bound then; empty: the time was known
   };
@@ -44,6 +46,8 @@ class TreeMotion {
 
   /// The state at a time of the last piece, before what happens at its end; stays until the next call.
   const State& at(double t);
+  /// The small states that are integrated until end().
+  const std::shared_ptr<const LoopChart>& chart() const { return chart_; }
 
   long steps() const { return solver_.steps(); }
   long evaluations() const { return solver_.evaluations(); }
@@ -70,6 +74,8 @@ class TreeMotion {
   void meet(const Event& event);
   void require_clear_start() const;
   void happen_at_known_time();
+  void leave_chart();
+  void require_loops_that_go_on();
   void change_to(Change change);
 
   const TreeEquations& equations_;
@@ -77,12 +83,16 @@ class TreeMotion {
   std::string file_;                // for messages
   std::vector<std::string> names_;  // of bodies, likewise
   double step_s_;                   // the scenario's, at which controllers look
+  double duration_s_;
   Grips grips_;
+  std::shared_ptr<const LoopChart> chart_;
   CvodeSolver solver_;
   State state_;
+  State small_;
   std::vector<double> bends_;  // of tables, rising
   double begin_ = 0;
   double end_ = 0;
+  double marked_s_ = 0;  // end_ when progress was looked at last
   std::optional<Change> change_;
   long changes_ = 0;
   int in_a_row_ = 0;  // changes without a way between them

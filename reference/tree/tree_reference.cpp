@@ -74,7 +74,7 @@ class TreeSimulation final : public Simulation {
 bool is_tree(const Scenario& scenario) {
   const Mechanism& mechanism = scenario.mechanism;
   return !scenario.planar && (features_of(scenario) - known_of_trees).empty() && !mechanism.bodies.empty() &&
-         spanning_tree(mechanism).has_value() && contact_points(mechanism).has_value();
+         contact_points(mechanism).has_value();
 }
 
 Reference solve_tree(const Scenario& scenario, const SampleGrid& grid) {
@@ -103,8 +103,11 @@ Reference solve_tree(const Scenario& scenario, const SampleGrid& grid, Tolerance
   }
   uncertainty.finish(tight, loose);
   for (const double t : reference.trace.t) append_uncertainty(reference, uncertainty.at(t));
-  tell_joint_forces(reference, mechanism);
-  reference.origin = fmt::format("equations of a tree by {}, {}", equations.version(), origin_of(tight_run, loose_run));
+  if (equations.forces_are_known()) tell_joint_forces(reference, mechanism);
+  const std::string loops =
+      equations.loops() > 0 ? fmt::format(" with {} loop{}", equations.loops(), equations.loops() == 1 ? "" : "s") : "";
+  reference.origin =
+      fmt::format("equations of a tree{} by {}, {}", loops, equations.version(), origin_of(tight_run, loose_run));
   return reference;
 }
 

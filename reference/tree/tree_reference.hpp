@@ -1,5 +1,6 @@
 #pragma once
-// Trees of bodies, on any joints, in generalized coordinates: the reference, and method mechanism-cvode.
+// Trees of bodies, on any joints, and loops that these close, in generalized coordinates: the reference, and method
+// mechanism-cvode.
 #include <memory>
 
 #include "odeval/engine.hpp"
@@ -9,10 +10,11 @@
 namespace odeval::reference {
 
 /// What is known of trees.
-inline constexpr Features known_of_trees{Feature::space, Feature::joints_in_space, Feature::inertia, Feature::motors,
-                                         Feature::stops, Feature::loads,           Feature::ground};
+inline constexpr Features known_of_trees{
+    Feature::space, Feature::joints_in_space, Feature::inertia, Feature::motors,      Feature::stops,
+    Feature::loads, Feature::ground,          Feature::loops,   Feature::rare_joints, Feature::struts};
 
-/// Bodies in space whose joints start closed and close no loop; what touches is of contact_points.hpp.
+/// Bodies in space whose joints start closed, as a tree or in loops; what touches is of contact_points.hpp.
 bool is_tree(const Scenario& scenario);
 
 /// CVODE at the reference's two tolerances, with the bound of tree_uncertainty.hpp on every sample.

@@ -51,8 +51,6 @@ Eigen::VectorXd vector(const std::vector<double>& state) {
   return Eigen::Map<const Eigen::VectorXd>(state.data(), static_cast<Eigen::Index>(state.size()));
 }
 
-std::vector<double> numbers(const Eigen::VectorXd& vector) { return {vector.data(), vector.data() + vector.size()}; }
-
 BodyUncertainty larger(const BodyUncertainty& a, const BodyUncertainty& b) {
   return {std::fmax(a.position_m, b.position_m), std::fmax(a.turn_rad, b.turn_rad),
           std::fmax(a.spin_rad_s, b.spin_rad_s)};
@@ -62,9 +60,11 @@ BodyUncertainty larger(const BodyUncertainty& a, const BodyUncertainty& b) {
 
 TreeUncertainty::TreeUncertainty(const TreeEquations& equations, const Mechanism& mechanism, Tolerances tolerances,
                                  double start_error)
-    : equations_(equations), mechanism_(mechanism), tolerances_(tolerances) {
-  const std::vector<double>& start = equations.start();
-  const Vector y = start_ = vector(start);
+    : equations_(equations),
+      chart_(equations.chart(equations.start())),
+      mechanism_(mechanism),
+      tolerances_(tolerances) {
+  const Vector y = start_ = vector(chart_->small(equations.start()));
   const Vector error = (epsilon * (1 + y.array().abs()) + start_error).matrix();
   independent_ = aligned_ = Matrix(error.array().square().matrix().asDiagonal());
   strides_.push_back({0, bound(y)});
@@ -83,13 +83,13 @@ void TreeUncertainty::finish(TreeMotion& tight, TreeMotion& loose) {
     strides_.push_back({t, strides_.back().bound});
     return;
   }
-  const Vector y = vector(tight.at(t));
+  const Vector y = vector(chart_->small(tight.at(t)));
   stride(y, t, tight.grips());
   while (loose.end() < t) loose.advance();
   // Between a change of the one and that of the other they differ by it, which pass() bounds.
   if (tight.changes() - (tight.change() && tight.change()->cause ? 1 : 0) ==
       loose.changes() - (loose.change() && loose.change()->cause ? 1 : 0)) {
-    compare(y, vector(loose.at(t)));
+    compare(y, vector(chart_->small(loose.at(t))));
   }
   BodyUncertainty now = bound(y);
   if (strides_.back().bound.turn_rad > known_rad) now = larger(now, strides_.back().bound);
@@ -128,20 +128,21 @@ void TreeUncertainty::compare(const Vector& tight, const Vector& loose) {
 /// f is the slope before and after.
 void TreeUncertainty::pass(const TreeMotion& tight) {
   const TreeMotion::Change& change = *tight.change();
-  const Vector before = vector(change.before);
-  start_ = vector(change.after);
+  const Vector before = vector(chart_->small(change.before));
+  start_ = vector(change.chart->small(change.after));
   fresh_ = true;
+  const auto jumped = [&](const Vector& y) { return vector(change.chart->small(change.jump(whole(y)))); };
   Matrix map = differences(before, before.size(), [&](const Vector& above, const Vector& below) -> Vector {
-    return vector(change.jump(numbers(above))) - vector(change.jump(numbers(below)));
+    return jumped(above) - jumped(below);
   });
   Vector located = Vector::Zero(before.size());  // what rounding of the time leaves
   if (change.cause) {
     Vector slope_before(before.size()), slope_after(before.size());
-    equations_(change.t, before.data(), slope_before.data(), tight.grips());
-    equations_(change.t, start_.data(), slope_after.data(), change.grips);
+    equations_.slope(*chart_, change.t, before.data(), slope_before.data(), tight.grips());
+    equations_.slope(*change.chart, change.t, start_.data(), slope_after.data(), change.grips);
     const Vector normal =
         differences(before, 1, [&](const Vector& above, const Vector& below) {
-          return Vector::Constant(1, change.cause(change.t, numbers(above)) - change.cause(change.t, numbers(below)))
+          return Vector::Constant(1, change.cause(change.t, whole(above)) - change.cause(change.t, whole(below)))
               .eval();
         }).transpose();
     const double dt = std::cbrt(epsilon) * std::fmax(1, change.t);
@@ -157,10 +158,11 @@ void TreeUncertainty::pass(const TreeMotion& tight) {
     map += jump * normal.transpose() / rate;
     located = 4 * epsilon * change.t * jump;
   }
+  chart_ = change.chart;
   // What holds has its speed, and what is held by a stop its way, whatever they were before.
   for (std::size_t i = 0; i < change.grips.size(); ++i) {
     const Grip& grip = change.grips[i];
-    if (!grip.holds) continue;
+    if (!grip.holds || !chart_->trivial()) continue;
     map.row(static_cast<Eigen::Index>(equations_.axes()[i].speed)).setZero();
     if (std::isinf(grip.least) || std::isinf(grip.most)) {
       map.row(static_cast<Eigen::Index>(equations_.axes()[i].way)).setZero();
@@ -184,12 +186,23 @@ double TreeUncertainty::spin_jump(const TreeMotion::Change& change) const {
   return most;
 }
 
+/// The state that a small one stands for.
+std::vector<double> TreeUncertainty::whole(const Vector& y) const {
+  std::vector<double> state;
+  if (!chart_->find(y.data(), state)) state.assign(equations_.size(), std::numeric_limits<double>::quiet_NaN());
+  return state;
+}
+
+void TreeUncertainty::show(const Vector& y, std::vector<BodyState>& bodies) const {
+  equations_.show(whole(y).data(), bodies);
+}
+
 TreeUncertainty::Matrix TreeUncertainty::slopes(double t, const Vector& y, const Grips& grips) const {
   Vector high(y.size());
   Vector low(y.size());
   return differences(y, y.size(), [&](const Vector& above, const Vector& below) -> Vector {
-    equations_(t, above.data(), high.data(), grips);
-    equations_(t, below.data(), low.data(), grips);
+    equations_.slope(*chart_, t, above.data(), high.data(), grips);
+    equations_.slope(*chart_, t, below.data(), low.data(), grips);
     return high - low;
   });
 }
@@ -200,8 +213,8 @@ TreeUncertainty::Matrix TreeUncertainty::slopes_of_bodies(const Vector& y) const
   std::vector<BodyState> low(bodies);
   Vector all(rows * static_cast<Eigen::Index>(bodies));
   return differences(y, all.size(), [&](const Vector& above, const Vector& below) -> const Vector& {
-    equations_.show(above.data(), high);
-    equations_.show(below.data(), low);
+    show(above, high);
+    show(below, low);
     Eigen::Index row = 0;
     for (std::size_t i = 0; i < bodies; ++i) {
       for (const Vec3& part : {high[i].position - low[i].position, turn_between(high[i].rotation, low[i].rotation),
@@ -223,7 +236,7 @@ BodyUncertainty TreeUncertainty::bound(const Vector& y) const {
   const Matrix shown = slopes_of_bodies(y);
   const Vector own = step_error(y);
   std::vector<BodyState> states(mechanism_.bodies.size());
-  equations_.show(y.data(), states);
+  show(y, states);
   BodyUncertainty worst;
   for (std::size_t i = 0; i < states.size(); ++i) {
     const auto reach = [&](Eigen::Index part, double size) {

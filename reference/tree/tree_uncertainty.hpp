@@ -9,7 +9,8 @@
 namespace odeval::reference {
 
 /// The bound of reference_solution.hpp, U = f I + A / 5, with two ellipsoids of errors, I and A, in the numbers of a
-/// tree's state; read as an error of bodies, of the worst body's place, attitude and spin, in every direction.
+/// tree's small state (loop_chart.hpp); read as an error of bodies, of the worst body's place, attitude and spin, in
+/// every direction.
 ///
 /// A change of what motors and stops do carries an error along by what it does to a state beside the true one, and by
 /// how much earlier or later it happens to that.
@@ -47,12 +48,16 @@ class TreeUncertainty {
   Vector step_error(const Vector& y) const;
   BodyUncertainty bound(const Vector& y) const;
 
+  void show(const Vector& y, std::vector<BodyState>& bodies) const;
+  std::vector<double> whole(const Vector& y) const;
+
   const TreeEquations& equations_;
+  std::shared_ptr<const LoopChart> chart_;
   const Mechanism& mechanism_;
   Tolerances tolerances_;  // of the tight run
   Matrix independent_;     // I and A, as in error_spread.hpp
   Matrix aligned_;
-  Vector start_;       // the state at the start of the next stride, where there are no slopes yet
+  Vector start_;       // the small state at the start of the next stride, where there are no slopes yet
   Matrix slopes_;      // at the end of the last stride
   bool fresh_ = true;  // there are none: motors and stops have changed since
   double factor_ = 1;

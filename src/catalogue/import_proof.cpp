@@ -1,5 +1,6 @@
 #include "catalogue/import_proof.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <sstream>
@@ -55,7 +56,7 @@ TreeState random_state(std::size_t bodies, std::mt19937_64& random) {
 std::string body_of_row(const Mechanism& mechanism, Eigen::Index row) {
   const auto tree = reference::spanning_tree(mechanism);
   std::size_t passed = 0;
-  const std::vector<std::size_t> speeds = reference::speeds_of(mechanism, *tree);
+  const std::vector<std::size_t> speeds = reference::speeds_of(mechanism, tree);
   for (std::size_t b = 0; b < speeds.size(); ++b) {
     passed += speeds[b];
     if (static_cast<std::size_t>(row) < passed) return mechanism.bodies[b].name;
@@ -73,7 +74,8 @@ ImportProof prove_import(const Imported& imported, const Scenario& scenario, int
 ImportProof prove_import(const Imported& imported, const Mechanism& mechanism, const Mechanism& held, double gravity,
                          int states) {
   ImportProof proof{.states = states};
-  if (!reference::spanning_tree(held)) throw MachineError("what ODE holds is no tree, and the robot is one");
+  if (std::ranges::any_of(reference::spanning_tree(held), &reference::Branch::again))
+    throw MachineError("what ODE holds is no tree, and the robot is one");
   Difference worst;
   std::mt19937_64 random(1);
   const auto compare = [&](std::optional<double>& of, const JointSpace& other, const JointSpace& ode) {

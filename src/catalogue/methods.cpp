@@ -55,7 +55,8 @@ constexpr Features touching_bodies = any_planar | Features{Feature::space, Featu
 constexpr Features joined_bodies{Feature::space, Feature::joints_in_space, Feature::inertia};
 constexpr Features trees_of_bodies = any_chain | joined_bodies | Features{Feature::loads};
 constexpr Features driven_trees = trees_of_bodies | Features{Feature::motors};
-constexpr Features driven_bodies = joined_bodies | Features{Feature::motors, Feature::stops, Feature::loads};
+constexpr Features driven_bodies = joined_bodies | Features{Feature::motors, Feature::stops,       Feature::loads,
+                                                            Feature::loops,  Feature::rare_joints, Feature::struts};
 constexpr Features accurate = touching_bodies | driven_bodies | Features{Feature::friction};
 constexpr Features all_of_ode = accurate | Features{Feature::constant_friction, Feature::open_joints};
 constexpr Features closed_form{Feature::wall,

@@ -74,15 +74,24 @@ struct Gap {
   const Rotation& now;
   const Rotation& start;
 
-  double operator()(const SliderJoint& slider) const {
-    const Rotation back{start[0], start[3], start[6], start[1], start[4], start[7], start[2], start[5], start[8]};
-    const Vec3 axis = turned(now, turned(back, slider.axis));
-    return length(between - dot(between, axis) * axis);
-  }
+  double operator()(const SliderJoint& slider) const { return across(slider.axis); }
+  double operator()(const PistonJoint& piston) const { return across(piston.axis); }
+  double operator()(const SlidingHingeJoint& joint) const { return across(joint.axis1); }
+  double operator()(const SlidingUniversalJoint& joint) const { return across(joint.way); }
+  double operator()(const Hinge2Joint& wheel) const { return across(wheel.axis1); }
+  double operator()(const PlaneJoint&) const { return std::fabs(between[2]); }
   double operator()(const BallJoint&) const { return length(between); }
   double operator()(const HingeJoint&) const { return length(between); }
   double operator()(const UniversalJoint&) const { return length(between); }
   double operator()(const FixedJoint&) const { return length(between); }
+
+ private:
+  /// Of what lies between, beside an axis that the first body has at t = 0.
+  double across(const Vec3& axis_at_start) const {
+    const Rotation back{start[0], start[3], start[6], start[1], start[4], start[7], start[2], start[5], start[8]};
+    const Vec3 axis = turned(now, turned(back, axis_at_start));
+    return length(between - dot(between, axis) * axis);
+  }
 };
 
 /// A joint's halves: one on the first body; the other on the second, or in the world.

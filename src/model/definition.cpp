@@ -99,12 +99,24 @@ void add_joint_of_tree(Section section, const JointTable& joint) {
       .add("anchor", joint.anchor_m);
   if (joint.kind->axes > 0) section.add("axis", joint.axis);
   if (joint.kind->axes > 1) section.add("axis2", joint.axis2);
+  if (joint.kind->axes > 2) section.add("axis3", joint.axis3);
+  if (joint.kind->suspended) section.add("suspension", std::vector(joint.suspension.begin(), joint.suspension.end()));
   if (!joint.name.empty()) section.add("name", joint.name);
   if (joint.stop) {
     section.add("stops", std::vector{joint.stop->low, joint.stop->high})
         .add("stop_restitution", joint.stop->restitution);
   }
   if (joint.motor) section.add("motor.velocity", joint.motor->speed).add("motor.force", joint.motor->most);
+}
+
+void add_strut(Section section, const StrutTable& strut) {
+  section.add("parent", strut.parent)
+      .add("child", strut.child)
+      .add("from", strut.from_m)
+      .add("to", strut.to_m)
+      .add("stiffness", strut.stiffness)
+      .add("damping", strut.damping)
+      .add("rest", strut.rest_m.value_or(distance(strut.from_m, strut.to_m)));
 }
 
 }  // namespace
@@ -131,6 +143,8 @@ Definition definition_of(const Description& said) {
   }
   number = 0;
   for (const ContactTable& contact : said.contacts) add_contact({all, fmt::format("contacts.{}", number++)}, contact);
+  number = 0;
+  for (const StrutTable& strut : said.struts) add_strut({all, fmt::format("struts.{}", number++)}, strut);
   if (said.ground) add_ground({all, "ground"}, *said.ground, said.problem->friction);
   if (said.joint) add_joint({all, "joint"}, *said.joint);
   if (said.wall) {

@@ -39,11 +39,13 @@ struct JointWord;  // model/joint_kinds.hpp
 /// Or one table [[joints]], which says itself what it holds to what.
 struct JointTable {
   const JointWord* kind = nullptr;
-  Vec3 anchor_m{};        // where its halves meet when it is closed
-  Vec3 axis{0, 1, 0};     // of a kind that has one
-  Vec3 axis2{1, 0, 0};    // of a kind that has two
-  Vec3 displacement_m{};  // from there to the first body's half at t = 0
-  std::string parent;     // names of bodies, or of the parent "world"
+  Vec3 anchor_m{};                     // where its halves meet when it is closed
+  Vec3 axis{0, 1, 0};                  // of a kind that has one
+  Vec3 axis2{1, 0, 0};                 // of a kind that has two
+  Vec3 axis3{0, 0, 1};                 // of a kind that has three
+  std::array<double, 2> suspension{};  // of a kind that has one: N/m, N s/m
+  Vec3 displacement_m{};               // from there to the first body's half at t = 0
+  std::string parent;                  // names of bodies, or of the parent "world"
   std::string child;
   std::string name = {};  // empty: "joint" and its number, from 1
   // As in a Joint, but of the child against the parent.
@@ -72,6 +74,17 @@ struct ContactTable {
   std::optional<double> friction = {};  // a coefficient
 };
 
+/// One table [[struts]].
+struct StrutTable {
+  std::string parent;  // names of bodies, or of the parent "world"
+  std::string child;
+  Vec3 from_m{};  // of the parent, in the world at t = 0
+  Vec3 to_m{};    // of the child
+  double stiffness = 0;
+  double damping = 0;
+  std::optional<double> rest_m = {};  // absent: as long as it is at t = 0
+};
+
 struct Description {
   const Problem* problem = nullptr;
   std::optional<int> n;  // links of a chain; absent: as many as are listed
@@ -89,6 +102,7 @@ struct Description {
   std::vector<PlaneTable> planes;
   std::vector<ContactTable> contacts;
   bool limit_of_numbers = false;  // ODE's own limit, where it is the reference, keeps ERP and CFM as numbers
+  std::vector<StrutTable> struts;
 
   /// The body of that name; nothing without one.
   std::optional<std::size_t> body_named(std::string_view name) const;

@@ -1,12 +1,15 @@
 #include <algorithm>
 #include <array>
+#include <numeric>
+#include <variant>
+#include <vector>
 
 #include "odeval/engine.hpp"
 
 namespace odeval {
 namespace {
 
-constexpr std::array<std::string_view, 14> names{
+constexpr std::array<std::string_view, 17> names{
     "bodies in space",
     "more than one link",
     "more than two links",
@@ -21,9 +24,12 @@ constexpr std::array<std::string_view, 14> names{
     "stops",
     "springs, torques and controllers of joints",
     "inertia tensors of their own",
+    "joints that close loops",
+    "joints piston, pr, pu, hinge2 or plane2d",
+    "struts",
 };
 
-static_assert(names.size() == static_cast<std::size_t>(Feature::inertia) + 1, "a name for each");
+static_assert(names.size() == static_cast<std::size_t>(Feature::struts) + 1, "a name for each");
 
 void add_of_links(Features& asked, std::size_t links, bool touching) {
   if (links > 1) asked.add(Feature::several_links);
@@ -32,11 +38,42 @@ void add_of_links(Features& asked, std::size_t links, bool touching) {
   if (touching && links > 1) asked.add(Feature::wall_of_several);
 }
 
+/// Whether a joint connects what hangs together without it.
+bool closes_loops(const Mechanism& mechanism) {
+  const std::size_t world = mechanism.bodies.size();
+  std::vector<std::size_t> leader(world + 1);
+  std::iota(leader.begin(), leader.end(), std::size_t{0});
+  const auto leader_of = [&](std::size_t member) {
+    while (leader[member] != member) member = leader[member];
+    return member;
+  };
+  return std::ranges::any_of(mechanism.joints, [&](const Joint& joint) {
+    const std::size_t from = leader_of(joint.first);
+    const std::size_t to = leader_of(joint.second.value_or(world));
+    leader[from] = to;
+    return from == to;
+  });
+}
+
 void add_of_space(Features& asked, const Mechanism& mechanism) {
   asked.add(Feature::space);
   if (!mechanism.contacts.empty()) asked.add(Feature::ground);
   if (!mechanism.joints.empty()) asked.add(Feature::joints_in_space);
+  if (closes_loops(mechanism)) asked.add(Feature::loops);
 }
+
+struct IsRare {
+  bool operator()(const BallJoint&) const { return false; }
+  bool operator()(const HingeJoint&) const { return false; }
+  bool operator()(const SliderJoint&) const { return false; }
+  bool operator()(const UniversalJoint&) const { return false; }
+  bool operator()(const FixedJoint&) const { return false; }
+  bool operator()(const PistonJoint&) const { return true; }
+  bool operator()(const SlidingHingeJoint&) const { return true; }
+  bool operator()(const SlidingUniversalJoint&) const { return true; }
+  bool operator()(const Hinge2Joint&) const { return true; }
+  bool operator()(const PlaneJoint&) const { return true; }
+};
 
 }  // namespace
 
@@ -59,7 +96,9 @@ Features features_of(const Scenario& scenario) {
     if (joint.motor) asked.add(Feature::motors);
     if (joint.stop) asked.add(Feature::stops);
     if (joint.loaded()) asked.add(Feature::loads);
+    if (std::visit(IsRare{}, joint.kind)) asked.add(Feature::rare_joints);
   }
+  if (!mechanism.struts.empty()) asked.add(Feature::struts);
   for (const Body& body : mechanism.bodies) {
     if (body.inertia_kgm2) asked.add(Feature::inertia);
   }

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
-#include <numeric>
 
 #include "model/draft.hpp"
 #include "model/generate.hpp"
@@ -56,48 +55,61 @@ void check_inertia(const Draft& draft, std::size_t body) {
              "is of no body: each principal moment must be above 0, and at most the sum of the other two");
 }
 
-std::size_t body_called(const Draft& draft, std::size_t joint, const char* key, const std::string& name) {
-  if (const auto body = draft.said.body_named(name)) return *body;
+void body_called(const Draft& draft, const char* list, std::size_t number, const char* key, const std::string& name) {
+  if (draft.said.body_named(name)) return;
   std::vector<std::string> names;
   for (const BodyTable& body : draft.said.bodies) names.push_back(body.name);
-  draft.fail(path_of("joints", joint, key), name,
+  draft.fail(path_of(list, number, key), name,
              name == world_name ? "carries and is not carried; it is a parent"
                                 : "is the name of no body" + nearest_hint(name, names));
 }
 
-/// Follows which bodies hang together: a joint between two that do closes a loop.
-class Groups {
- public:
-  explicit Groups(std::size_t members) : leader_(members) { std::iota(leader_.begin(), leader_.end(), std::size_t{0}); }
-
-  /// False when they were together before.
-  bool join(std::size_t a, std::size_t b) {
-    const std::size_t from = leader(a);
-    const std::size_t to = leader(b);
-    leader_[from] = to;
-    return from != to;
+/// Two that are there, and not the same: joints may make a tree, or close loops.
+template <class Table>
+void check_ends(const Draft& draft, const char* list, const std::vector<Table>& tables) {
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const Table& table = tables[i];
+    if (table.parent != world_name) body_called(draft, list, i, "parent", table.parent);
+    body_called(draft, list, i, "child", table.child);
+    if (table.parent == table.child) draft.fail(path_of(list, i, "child"), table.child, "is its parent as well");
   }
-  std::size_t leader(std::size_t member) const {
-    while (leader_[member] != member) member = leader_[member];
-    return member;
+}
+
+void check_parent(const Draft& draft, std::size_t number) {
+  const JointTable& joint = draft.said.joints[number];
+  const bool on_world = joint.parent == world_name;
+  if (joint.kind->parent == (on_world ? Carries::a_body : Carries::the_world)) {
+    draft.fail(path_of("joints", number, "parent"), joint.parent,
+               fmt::format("must be {} for kind {}", on_world ? "a body" : "the world", joint.kind->word));
   }
+  const Vec3& position = draft.said.bodies[draft.said.body_named(joint.child).value()].position_m;
+  if (joint.kind->parent == Carries::the_world && position[2] != 0) {
+    draft.fail(path_of("joints", number, "child"), joint.child,
+               fmt::format("must start with its centre in the plane z = 0, which kind {} holds it in, not at z = {}",
+                           joint.kind->word, position[2]));
+  }
+}
 
- private:
-  std::vector<std::size_t> leader_;
-};
+void check_suspension(const Draft& draft, std::size_t number) {
+  const JointTable& joint = draft.said.joints[number];
+  const std::string path = path_of("joints", number, "suspension");
+  if (draft.tree["joints"][number].as_table()->contains("suspension") != joint.kind->suspended) {
+    draft.fail(path, "",
+               joint.kind->suspended ? fmt::format("is missing; kind {} needs it", joint.kind->word)
+                                     : fmt::format("has no meaning for kind {}; remove it", joint.kind->word));
+  }
+  const auto& [stiffness, damping] = joint.suspension;
+  if (joint.kind->suspended && stiffness + damping == 0) {
+    draft.fail(path, fmt::format("[{}, {}]", stiffness, damping), "must have a stiffness or a damping above 0");
+  }
+}
 
-void check_tree(const Draft& draft) {
-  const std::size_t world = draft.said.bodies.size();
-  Groups groups(world + 1);
-  for (std::size_t i = 0; i < draft.said.joints.size(); ++i) {
-    const JointTable& joint = draft.said.joints[i];
-    const std::size_t parent = joint.parent == world_name ? world : body_called(draft, i, "parent", joint.parent);
-    const std::size_t child = body_called(draft, i, "child", joint.child);
-    if (parent == child) draft.fail(path_of("joints", i, "child"), joint.child, "is its parent as well");
-    if (groups.join(parent, child)) continue;
-    draft.fail(fmt::format("joints.{}", i), "",
-               fmt::format("closes a loop: '{}' and '{}' hang together without it; joints must make a tree",
-                           joint.parent, joint.child));
+void check_struts(const Draft& draft) {
+  const std::vector<StrutTable>& struts = draft.said.struts;
+  check_ends(draft, "struts", struts);
+  for (std::size_t i = 0; i < struts.size(); ++i) {
+    if (struts[i].from_m != struts[i].to_m) continue;
+    draft.fail(path_of("struts", i, "to"), shown(struts[i].to_m), "is where the other end is: it must have a length");
   }
 }
 
@@ -109,26 +121,41 @@ void make_unit(const Draft& draft, std::size_t joint, const char* key, Vec3& axi
   axis = unit(axis);
 }
 
+struct NamedAxis {
+  const char* key;
+  Vec3& axis;
+};
+
+/// The second one, against the first, which is a unit one.
+void make_right_angle(const Draft& draft, std::size_t joint, const NamedAxis& first, const NamedAxis& second) {
+  const Vec3 said = second.axis;
+  make_unit(draft, joint, second.key, second.axis);
+  constexpr double rounding = 1e-6;  // of the numbers in a file
+  const double along = dot(first.axis, second.axis);
+  if (std::fabs(along) > rounding) {
+    draft.fail(path_of("joints", joint, second.key), shown(said),
+               fmt::format("must be at right angles to {}, the cosine between them is {:.3g}", first.key, along));
+  }
+  second.axis = unit(second.axis - along * first.axis);
+}
+
 void settle_axes(Draft& draft, std::size_t number) {
   JointTable& joint = draft.said.joints[number];
   const toml::table& table = *draft.tree["joints"][number].as_table();
   int axes = 0;
-  for (const char* key : {"axis", "axis2"}) {
+  for (const char* key : {"axis", "axis2", "axis3"}) {
     if (axes++ < joint.kind->axes || !table.contains(key)) continue;
     draft.fail(path_of("joints", number, key), "",
                fmt::format("has no meaning for kind {}; remove it", joint.kind->word));
   }
   if (joint.kind->axes > 0) make_unit(draft, number, "axis", joint.axis);
   if (joint.kind->axes < 2) return;
-  const Vec3 said = joint.axis2;
-  make_unit(draft, number, "axis2", joint.axis2);
-  constexpr double rounding = 1e-6;  // of the numbers in a file
-  const double along = dot(joint.axis, joint.axis2);
-  if (std::fabs(along) > rounding) {
-    draft.fail(path_of("joints", number, "axis2"), shown(said),
-               fmt::format("must be at right angles to axis, the cosine between them is {:.3g}", along));
+  if (joint.kind->axes == 2) {
+    make_right_angle(draft, number, {"axis", joint.axis}, {"axis2", joint.axis2});
+  } else {
+    make_unit(draft, number, "axis2", joint.axis2);
+    make_right_angle(draft, number, {"axis2", joint.axis2}, {"axis3", joint.axis3});
   }
-  joint.axis2 = unit(joint.axis2 - along * joint.axis);
 }
 
 /// Motors and stops are of joints with one way to go, which starts between its stops.
@@ -136,7 +163,7 @@ void check_drive(const Draft& draft, std::size_t number) {
   const JointTable& joint = draft.said.joints[number];
   const toml::table& table = *draft.tree["joints"][number].as_table();
   for (const char* key : {"motor", "stops", "stop_restitution"}) {
-    if (!table.contains(key) || joint.kind->axes == 1) continue;
+    if (!table.contains(key) || joint.kind->driven) continue;
     draft.fail(path_of("joints", number, key), "",
                fmt::format("has no meaning for kind {}, but for a hinge or a slider; remove it", joint.kind->word),
                Draft::Blame::parts);
@@ -199,7 +226,7 @@ void check_loads(const Draft& draft, const char* list, const std::vector<LoadTab
     if (found == joints.end()) {
       draft.fail(path + ".joint", tables[i].joint, "is the name of no joint" + nearest_hint(tables[i].joint, names));
     }
-    if (found->kind->axes != 1) {
+    if (!found->kind->driven) {
       draft.fail(path + ".joint", tables[i].joint,
                  fmt::format("is of kind {}; it must be a hinge or a slider", found->kind->word));
     }
@@ -207,12 +234,27 @@ void check_loads(const Draft& draft, const char* list, const std::vector<LoadTab
   }
 }
 
+/// Whether a body hangs on the world by nothing.
+bool something_flies(const Mechanism& mechanism) {
+  std::vector<bool> hangs(mechanism.bodies.size());
+  for (bool more = true; more;) {
+    more = false;
+    for (const Joint& joint : mechanism.joints) {
+      const std::size_t second = joint.second.value_or(joint.first);
+      if (hangs[joint.first] && hangs[second]) continue;
+      if (joint.second && !hangs[joint.first] && !hangs[second]) continue;
+      hangs[joint.first] = hangs[second] = more = true;
+    }
+  }
+  return std::ranges::find(hangs, false) != hangs.end();
+}
+
 /// Something can move, and moves at first as the joints let it.
 void check_start(const Draft& draft) {
   Scenario made;
   put_bodies(made, draft.said);
   const Mechanism& mechanism = made.mechanism;
-  std::size_t free = mechanism.bodies.size() > mechanism.joints.size() ? 1 : 0;  // what hangs on nothing
+  std::size_t free = something_flies(mechanism) ? 1 : 0;
   for (std::size_t i = 0; i < mechanism.joints.size(); ++i) {
     const Freedom freedom = freedom_of(mechanism.joints[i].kind);
     free += freedom.ways.size() + freedom.turns.size();
@@ -243,9 +285,12 @@ void settle_joints(Draft& draft) {
     draft.fail("joints", "0 tables",
                fmt::format("must be tables [[joints]], at least one, for {}", draft.said.problem->name));
   }
-  check_tree(draft);
+  check_ends(draft, "joints", draft.said.joints);
+  check_struts(draft);
   name_joints(draft);
   for (std::size_t i = 0; i < draft.said.joints.size(); ++i) {
+    check_parent(draft, i);
+    check_suspension(draft, i);
     settle_axes(draft, i);
     check_drive(draft, i);
   }

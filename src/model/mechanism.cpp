@@ -106,7 +106,22 @@ Freedom freedom_of(const JointKind& kind) {
                                [](const UniversalJoint& cross) {
                                  return Freedom{{}, {cross.axis1, cross.axis2}};
                                },
-                               [](const FixedJoint&) { return Freedom{}; }},
+                               [](const FixedJoint&) { return Freedom{}; },
+                               [](const PistonJoint& piston) {
+                                 return Freedom{{piston.axis}, {piston.axis}};
+                               },
+                               [](const SlidingHingeJoint& joint) {
+                                 return Freedom{{joint.axis1}, {joint.axis2}};
+                               },
+                               [](const SlidingUniversalJoint& joint) {
+                                 return Freedom{{joint.way}, {joint.axis1, joint.axis2}};
+                               },
+                               [](const Hinge2Joint& wheel) {
+                                 return Freedom{{wheel.axis1}, {wheel.axis1, wheel.axis2}};
+                               },
+                               [&](const PlaneJoint&) {
+                                 return Freedom{{all[0], all[1]}, {all[2]}};
+                               }},
                     kind);
 }
 

@@ -77,6 +77,17 @@ Joint joint_of_tree(const Description& said, const JointTable& table) {
   return turned_round(std::move(joint));
 }
 
+/// The child is the strut's first body: the world is its second at most.
+Strut strut_of(const Description& said, const StrutTable& table) {
+  return {.first = said.body_named(table.child).value(),
+          .second = said.body_named(table.parent),
+          .first_end_m = table.to_m,
+          .second_end_m = table.from_m,
+          .stiffness_N_m = table.stiffness,
+          .damping_Ns_m = table.damping,
+          .rest_m = table.rest_m.value_or(distance(table.from_m, table.to_m))};
+}
+
 void put_ground(Scenario& scenario, const GroundTable& table, bool friction) {
   const HalfSpace plane = sloping(table.slope_rad);
   scenario.mechanism.obstacles.push_back({plane, "ground"});
@@ -124,6 +135,9 @@ void put_bodies(Scenario& scenario, const Description& description) {
     scenario.mechanism.joints.push_back(joint_of_tree(description, table));
   }
   put_contacts(scenario.mechanism, description);
+  for (const StrutTable& table : description.struts) {
+    scenario.mechanism.struts.push_back(strut_of(description, table));
+  }
   if (description.ground) put_ground(scenario, *description.ground, description.problem->friction);
 }
 

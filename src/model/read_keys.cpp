@@ -125,6 +125,7 @@ void add_to(Draft& draft, std::string_view section) {
   if (section == "controllers") said.controllers.emplace_back().load.sampled = true;
   if (section == "planes") said.planes.emplace_back();
   if (section == "contacts") said.contacts.emplace_back();
+  if (section == "struts") said.struts.emplace_back();
   if (section == "tolerances") draft.scenario.tolerances.emplace_back();
 }
 

@@ -148,10 +148,14 @@ constexpr KeyRow rows[] = {
       [](D& d, S&, const V& v) { d.joints.back().child = v.word; }},
   {"joints", "anchor",   numbers, "m",     -1e4, 1e4,  false, nullptr, "0", "where the joint is at t = 0",
       [](D& d, S&, const V& v) { d.joints.back().anchor_m = vector(v); }, 3},
-  {"joints", "axis",     numbers, "",      -1e3, 1e3,  false, nullptr, "[0, 1, 0]", "of a hinge, a slider or, fixed in the parent, a universal joint; in the world at t = 0",
+  {"joints", "axis",     numbers, "",      -1e3, 1e3,  false, nullptr, "[0, 1, 0]", "of a hinge, a slider, a piston or, fixed in the parent, a universal joint; of pr, pu and hinge2 the way; in the world at t = 0",
       [](D& d, S&, const V& v) { d.joints.back().axis = vector(v); }, 3},
-  {"joints", "axis2",    numbers, "",      -1e3, 1e3,  false, nullptr, "[1, 0, 0]", "of a universal joint, fixed in the child, at right angles to the other; likewise",
+  {"joints", "axis2",    numbers, "",      -1e3, 1e3,  false, nullptr, "[1, 0, 0]", "of a universal joint or a hinge2, fixed in the child, at right angles to the other; of pr the turn; of pu the turn in the parent; likewise",
       [](D& d, S&, const V& v) { d.joints.back().axis2 = vector(v); }, 3},
+  {"joints", "axis3",    numbers, "",      -1e3, 1e3,  false, nullptr, "[0, 0, 1]", "of pu the turn in the child, at right angles to axis2; likewise",
+      [](D& d, S&, const V& v) { d.joints.back().axis3 = vector(v); }, 3},
+  {"joints", "suspension", numbers, "N/m, N s/m", 0, 1e9, false, nullptr, "none; hinge2 needs it", "spring and damper of a hinge2 along its way, relaxed at t = 0",
+      [](D& d, S&, const V& v) { std::ranges::copy(v.numbers, d.joints.back().suspension.begin()); }, 2},
 
   {"joints", "name",     label,   "",      0, 0,       false, nullptr, "joint and its number", "by which [[springs]], [[torques]] and [[controllers]] know it",
       [](D& d, S&, const V& v) { d.joints.back().name = v.word; }},
@@ -222,6 +226,20 @@ constexpr KeyRow rows[] = {
       [](D& d, S&, const V& v) { d.contacts.back().restitution = v.number; }},
   {"contacts", "friction",    number, "",  0, 1e9, false, nullptr, "none", "coefficient of friction",
       [](D& d, S&, const V& v) { d.contacts.back().friction = v.number; }},
+  {"struts", "parent",    label,   "",      0, 0,      false, nullptr, "", "name of a body, or world",
+      [](D& d, S&, const V& v) { d.struts.back().parent = v.word; }},
+  {"struts", "child",     label,   "",      0, 0,      false, nullptr, "", "name of the body at the other end",
+      [](D& d, S&, const V& v) { d.struts.back().child = v.word; }},
+  {"struts", "from",      numbers, "m",     -1e4, 1e4, false, nullptr, "", "end in the parent, in the world at t = 0",
+      [](D& d, S&, const V& v) { d.struts.back().from_m = vector(v); }, 3},
+  {"struts", "to",        numbers, "m",     -1e4, 1e4, false, nullptr, "", "end in the child, likewise",
+      [](D& d, S&, const V& v) { d.struts.back().to_m = vector(v); }, 3},
+  {"struts", "stiffness", number,  "N/m",   0, 1e12,   false, nullptr, "0", "of the spring between the ends",
+      [](D& d, S&, const V& v) { d.struts.back().stiffness = v.number; }},
+  {"struts", "damping",   number,  "N s/m", 0, 1e12,   false, nullptr, "0", "of the damper beside it",
+      [](D& d, S&, const V& v) { d.struts.back().damping = v.number; }},
+  {"struts", "rest",      number,  "m",     0, 1e4,    false, nullptr, "as long as it is at t = 0", "length at which it is relaxed",
+      [](D& d, S&, const V& v) { d.struts.back().rest_m = v.number; }},
 
   {"ground", "slope",       number, "rad", -1.5, 1.5, false, nullptr, "0", "how steeply the ground falls towards +x",
       [](D& d, S&, const V& v) { d.ground->slope_rad = v.number; }},
@@ -296,10 +314,10 @@ constexpr KeyRow rows[] = {
 // clang-format on
 
 constexpr SectionRow sections[] = {
-    {"links", true},         {"wall", false},    {"bodies", true},   {"joints", true},
-    {"joints.motor", false}, {"springs", true},  {"torques", true},  {"controllers", true},
-    {"planes", true},        {"contacts", true}, {"ground", false},  {"joint", false},
-    {"ode", false},          {"bullet", false},  {"maximal", false}, {"tolerances", true}};
+    {"links", true},    {"wall", false},     {"bodies", true},      {"joints", true}, {"joints.motor", false},
+    {"springs", true},  {"torques", true},   {"controllers", true}, {"struts", true}, {"planes", true},
+    {"contacts", true}, {"ground", false},   {"joint", false},      {"ode", false},   {"bullet", false},
+    {"maximal", false}, {"tolerances", true}};
 
 }  // namespace
 

@@ -209,7 +209,14 @@ void refusals() {
     CHECK_THROWS(catalogue::require_does(*method, scenario, "--method"), UserError, "joints that start open");
     Scenario loop = test::random_tree(1, false);
     loop.mechanism.joints.push_back({.kind = BallJoint{}, .first = 3, .second = {}});
+    CHECK_THROWS(catalogue::require_does(*method, loop, "--method"), UserError, "joints that close loops");
     CHECK_THROWS(method->make(loop, sample_grid(loop)), MachineError, "close a loop");
+    Scenario rare = test::random_tree(1, false);
+    rare.mechanism.joints[0].kind = PistonJoint{};
+    CHECK_THROWS(catalogue::require_does(*method, rare, "--method"), UserError, "joints piston, pr, pu");
+    Scenario strut = test::random_tree(1, false);
+    strut.mechanism.struts = {{.second = {}, .stiffness_N_m = 1}};
+    CHECK_THROWS(catalogue::require_does(*method, strut, "--method"), UserError, "struts");
   }
 }
 

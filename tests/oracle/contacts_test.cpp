@@ -38,9 +38,15 @@ Scenario ball_on_rail(double restitution) {
   return scenario;
 }
 
+/// The same, held by a second rail beside the first: a loop, of which the other rail implies everything.
+Scenario ball_on_two_rails(double restitution) {
+  Scenario scenario = ball_on_rail(restitution);
+  scenario.mechanism.joints.push_back({.kind = SliderJoint{{1, 0, 0}, {0, 0, 1}}, .second = {}});
+  return scenario;
+}
+
 // Falls 1 m, bounces with 0.8 of its speed: parabolas one after the other.
-void a_ball_on_a_floor() {
-  const Scenario scenario = ball_on_rail(0.8);
+void a_ball_on_a_floor(const Scenario& scenario) {
   const SampleGrid grid{0.01, 1, 301};
   const Reference reference = reference::solve_tree(scenario, grid);
   const double g = scenario.gravity;
@@ -140,7 +146,8 @@ void what_is_not_followed() {
 }  // namespace
 
 int main() {
-  a_ball_on_a_floor();
+  a_ball_on_a_floor(ball_on_rail(0.8));
+  a_ball_on_a_floor(ball_on_two_rails(0.8));
   the_wall_pendulum();
   a_cradle();
   what_is_not_followed();

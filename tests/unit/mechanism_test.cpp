@@ -236,6 +236,12 @@ std::string_view words_of(Feature feature) {
       return "springs, torques and controllers of joints";
     case Feature::inertia:
       return "inertia tensors of their own";
+    case Feature::loops:
+      return "joints that close loops";
+    case Feature::rare_joints:
+      return "joints piston, pr, pu, hinge2 or plane2d";
+    case Feature::struts:
+      return "struts";
   }
   return "";
 }
@@ -273,6 +279,10 @@ void files_ask_for_what_they_hold() {
       {"three_link_arm", {Feature::space, Feature::joints_in_space, Feature::inertia}},
       {"cart_pole", {Feature::space, Feature::joints_in_space, Feature::motors, Feature::stops, Feature::loads}},
       {"acrobot", {Feature::space, Feature::joints_in_space, Feature::loads, Feature::inertia}},
+      {"iftomm_bricard", {Feature::space, Feature::joints_in_space, Feature::loops}},
+      {"iftomm_governor", {Feature::space, Feature::joints_in_space, Feature::inertia, Feature::struts}},
+      {"iftomm_squeezer",
+       {Feature::space, Feature::joints_in_space, Feature::inertia, Feature::loads, Feature::loops, Feature::struts}},
       {"motor_lift", {Feature::space, Feature::joints_in_space, Feature::motors}},
       {"newtons_cradle", {Feature::space, Feature::ground, Feature::joints_in_space}},
       {"puma560", {Feature::space, Feature::joints_in_space, Feature::loads, Feature::inertia}},

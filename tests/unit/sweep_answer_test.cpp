@@ -225,6 +225,14 @@ const std::vector<Case> cases{
       "joints.1.anchor=[0,0,1],[0,0,1.1]", "joints.1.axis=[0,1,0],[1,1,0]"},
      {"ode.erp=0.2,0.5"}},
     {"three_link_arm", "joints.0.kind=\"universal\"", {"joints.0.axis2=[1,0,0],[0,1,0]"}, {}},
+    {"three_link_arm", "joints.1.kind=\"pr\"", {"joints.1.axis2=[1,0,0],[0,0,1]"}, {}},
+    {"three_link_arm", "joints.1.kind=\"pu\"", {"joints.1.axis3=[0,0,1],[0,1,1]"}, {}},
+    {"three_link_arm", "joints.1.kind=\"hinge2\"", {"joints.1.suspension=[100,1],[200,1]"}, {}},
+    {"iftomm_governor",
+     "duration=0.001",
+     {"struts.0.stiffness=8e5,7e5", "struts.0.damping=4e4,3e4", "struts.0.rest=0.5,0.51",
+      "struts.0.from=[0,0,0.5],[0,0,0.4]", "struts.0.to=[0.4,0,0.7],[0.4,0,0.8]"},
+     {"ode.erp=0.2,0.5"}},
     {"cart_pole",
      "duration=0.1",
      {"joints.0.stops=[-0.001,0.001],[-0.002,0.002]", "joints.0.motor.velocity=0.0,0.1",
@@ -332,14 +340,15 @@ std::string key_of(const std::string& axis) {
 }
 
 /// What a build without Simbody has no reference for.
-const std::set<std::string_view> mechanisms{"three_link_arm", "cart_pole", "acrobot"};
-const std::set<std::string_view> of_mechanisms{"joints",      "joints.motor", "springs",  "torques",
-                                               "controllers", "planes",       "contacts", "limit"};
+const std::set<std::string_view> mechanisms{"three_link_arm", "cart_pole", "acrobot", "iftomm_governor"};
+const std::set<std::string_view> of_mechanisms{"joints", "joints.motor", "springs",  "torques", "controllers",
+                                               "struts", "planes",       "contacts", "limit"};
 
 void runs_share_the_reference_of_their_motion(const fs::path& dropped) {
   // Names that refer to one another can not be changed alone.
-  std::set<std::string> seen{"problem",     "methods",       "bodies.name",   "joints.parent",     "joints.child",
-                             "joints.name", "springs.joint", "torques.joint", "controllers.joint", "planes.name"};
+  std::set<std::string> seen{"problem",           "methods",       "bodies.name",   "joints.parent",
+                             "joints.child",      "joints.name",   "springs.joint", "torques.joint",
+                             "controllers.joint", "struts.parent", "struts.child",  "planes.name"};
   const bool with_trees = reference::mechanism_cvode != nullptr;  // not in a build without Simbody
   const auto check_all = [&](const ScenarioFile& file, const Case& one) {
     const auto check = [&](const char* axis, const std::function<bool(const Pair&)>& right) {

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "engines/bullet/world_settings.hpp"
+#include "odeval/error.hpp"
 
 namespace odeval::engine_bullet {
 
@@ -92,8 +93,15 @@ struct MakeConstraint {
   Made operator()(const FixedJoint& joint) const {
     return locked(btTransform(btMatrix3x3::getIdentity(), bullet(joint.anchor_m)));
   }
+  // Features of theirs refuse what follows before.
+  Made operator()(const PistonJoint&) const { refuse(); }
+  Made operator()(const SlidingHingeJoint&) const { refuse(); }
+  Made operator()(const SlidingUniversalJoint&) const { refuse(); }
+  Made operator()(const Hinge2Joint&) const { refuse(); }
+  Made operator()(const PlaneJoint&) const { refuse(); }
 
  private:
+  [[noreturn]] static void refuse() { throw MachineError("a joint of a kind that Bullet does not have"); }
   std::unique_ptr<btGeneric6DofSpring2Constraint> locked(const btTransform& frame) const {
     auto six = std::make_unique<btGeneric6DofSpring2Constraint>(first, second, in_body(first, frame),
                                                                 in_body(second, frame), RO_XYZ);
@@ -113,6 +121,11 @@ struct LoadedAxis {
   const Vec3* operator()(const BallJoint&) const { return nullptr; }
   const Vec3* operator()(const UniversalJoint&) const { return nullptr; }
   const Vec3* operator()(const FixedJoint&) const { return nullptr; }
+  const Vec3* operator()(const PistonJoint&) const { return nullptr; }
+  const Vec3* operator()(const SlidingHingeJoint&) const { return nullptr; }
+  const Vec3* operator()(const SlidingUniversalJoint&) const { return nullptr; }
+  const Vec3* operator()(const Hinge2Joint&) const { return nullptr; }
+  const Vec3* operator()(const PlaneJoint&) const { return nullptr; }
 };
 
 }  // namespace

@@ -70,6 +70,7 @@ struct MakeJoint {
   dWorldID world;
   dBodyID first;
   dBodyID second;  // null: the world
+  double step_s;
 
   dJointID operator()(const BallJoint& ball) const {
     const auto& [x, y, z] = ball.anchor_m;
@@ -114,6 +115,69 @@ struct MakeJoint {
     dJointSetFixed(joint);
     return joint;
   }
+
+  dJointID operator()(const PistonJoint& piston) const {
+    const auto& [x, y, z] = piston.anchor_m;
+    const auto& [ax, ay, az] = piston.axis;
+    const dJointID joint = dJointCreatePiston(world, nullptr);
+    dJointAttach(joint, first, second);
+    dJointSetPistonAnchor(joint, real(x), real(y), real(z));
+    dJointSetPistonAxis(joint, real(ax), real(ay), real(az));
+    return joint;
+  }
+
+  dJointID operator()(const SlidingHingeJoint& pr) const {
+    const auto& [x, y, z] = pr.anchor_m;
+    const auto& [x1, y1, z1] = pr.axis1;
+    const auto& [x2, y2, z2] = pr.axis2;
+    const dJointID joint = dJointCreatePR(world, nullptr);
+    dJointAttach(joint, first, second);
+    dJointSetPRAnchor(joint, real(x), real(y), real(z));
+    dJointSetPRAxis1(joint, real(x1), real(y1), real(z1));
+    dJointSetPRAxis2(joint, real(x2), real(y2), real(z2));
+    return joint;
+  }
+
+  dJointID operator()(const SlidingUniversalJoint& pu) const {
+    const auto& [x, y, z] = pu.anchor_m;
+    const auto& [xp, yp, zp] = pu.way;
+    const auto& [x1, y1, z1] = pu.axis1;
+    const auto& [x2, y2, z2] = pu.axis2;
+    const dJointID joint = dJointCreatePU(world, nullptr);
+    dJointAttach(joint, first, second);
+    dJointSetPUAnchor(joint, real(x), real(y), real(z));
+    dJointSetPUAxis1(joint, real(x1), real(y1), real(z1));
+    dJointSetPUAxis2(joint, real(x2), real(y2), real(z2));
+    dJointSetPUAxisP(joint, real(xp), real(yp), real(zp));
+    return joint;
+  }
+
+  dJointID operator()(const Hinge2Joint& wheel) const {
+    if (second == nullptr) throw Fault("a hinge2 joint must have two bodies");
+    const auto& [x, y, z] = wheel.anchor_m;
+    dVector3 axis1{};
+    dVector3 axis2{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      axis1[k] = real(wheel.axis1[k]);
+      axis2[k] = real(wheel.axis2[k]);
+    }
+    const dJointID joint = dJointCreateHinge2(world, nullptr);
+    dJointAttach(joint, first, second);
+    dJointSetHinge2Anchor(joint, real(x), real(y), real(z));
+    dJointSetHinge2Axes(joint, axis1, axis2);
+    // Equations (3.6) and (3.7) of ODE's manual.
+    const double stiff = step_s * wheel.stiffness;
+    dJointSetHinge2Param(joint, dParamSuspensionERP, real(stiff / (stiff + wheel.damping)));
+    dJointSetHinge2Param(joint, dParamSuspensionCFM, real(1 / (stiff + wheel.damping)));
+    return joint;
+  }
+
+  dJointID operator()(const PlaneJoint&) const {
+    if (second != nullptr) throw Fault("a plane2d joint must hold its body to the world");
+    const dJointID joint = dJointCreatePlane2D(world, nullptr);
+    dJointAttach(joint, first, second);
+    return joint;
+  }
 };
 
 /// Motor and stops, where the kind has an axis for them.
@@ -124,6 +188,11 @@ struct Drive {
   void operator()(const BallJoint&) const { refuse("a ball joint"); }
   void operator()(const UniversalJoint&) const { refuse("a universal joint"); }
   void operator()(const FixedJoint&) const { refuse("a fixed joint"); }
+  void operator()(const PistonJoint&) const { refuse("a piston joint"); }
+  void operator()(const SlidingHingeJoint&) const { refuse("a PR joint"); }
+  void operator()(const SlidingUniversalJoint&) const { refuse("a PU joint"); }
+  void operator()(const Hinge2Joint&) const { refuse("a hinge2 joint"); }
+  void operator()(const PlaneJoint&) const { refuse("a plane2d joint"); }
   void operator()(const SliderJoint&) const { set(dJointSetSliderParam); }
   void operator()(const HingeJoint&) const {
     // ODE counts a hinge's angle within half a turn, and ignores ends that are not.
@@ -187,11 +256,12 @@ dBodyID make_body(dWorldID world, dSpaceID space, const Body& what, const OdeSet
 
 // A joint remembers where the bodies were when it was given its anchor: the first body stands in its place for that.
 dJointID make_joint(dWorldID world, const Joint& what, const std::vector<dBodyID>& bodies,
-                    const std::vector<Body>& starts) {
+                    const std::vector<Body>& starts, double step_s) {
   const dBodyID first = bodies[what.first];
   const Vec3& start = starts[what.first].position_m;
   put(first, start - what.opening_m);
-  const dJointID joint = std::visit(MakeJoint{world, first, what.second ? bodies[*what.second] : nullptr}, what.kind);
+  const dBodyID second = what.second ? bodies[*what.second] : nullptr;
+  const dJointID joint = std::visit(MakeJoint{world, first, second, step_s}, what.kind);
   std::visit(Drive{joint, what}, what.kind);
   put(first, start);
   return joint;

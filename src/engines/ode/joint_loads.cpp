@@ -6,6 +6,55 @@
 #include "engines/ode/build_mechanism.hpp"
 
 namespace odeval::engine_ode {
+namespace {
+
+Vec3 vector(const dReal* v) { return {v[0], v[1], v[2]}; }
+
+/// Where a point of a body, or of the world, is, and how fast.
+struct Moving {
+  Vec3 place;
+  Vec3 velocity{};
+};
+Moving moving(dBodyID body, const Vec3& point) {
+  if (body == nullptr) return {point};
+  dVector3 place;
+  dVector3 velocity;
+  dBodyGetRelPointPos(body, real(point[0]), real(point[1]), real(point[2]), place);
+  dBodyGetRelPointVel(body, real(point[0]), real(point[1]), real(point[2]), velocity);
+  return {vector(place), vector(velocity)};
+}
+
+Vec3 in_body(dBodyID body, const Vec3& point) {
+  if (body == nullptr) return point;
+  dVector3 inside;
+  dBodyGetPosRelPoint(body, real(point[0]), real(point[1]), real(point[2]), inside);
+  return vector(inside);
+}
+
+}  // namespace
+
+void JointLoads::add(dBodyID first, dBodyID second, const Strut& strut) {
+  struts_.push_back({first, second, strut, {in_body(first, strut.first_end_m), in_body(second, strut.second_end_m)}});
+}
+
+// Ends that meet have no line between them.
+void JointLoads::apply(const Ends& ends) {
+  const Moving a = moving(ends.first, ends.at[0]);
+  const Moving b = moving(ends.second, ends.at[1]);
+  const Vec3 between = b.place - a.place;
+  const double long_m = length(between);
+  if (long_m == 0) return;
+  const Vec3 along = (1 / long_m) * between;
+  const double pull = ends.strut.stiffness_N_m * (long_m - ends.strut.rest_m) +
+                      ends.strut.damping_Ns_m * dot(along, b.velocity - a.velocity);
+  const auto add = [&](dBodyID body, double force, const Vec3& at) {
+    if (body == nullptr) return;
+    dBodyAddForceAtPos(body, real(force * along[0]), real(force * along[1]), real(force * along[2]), real(at[0]),
+                       real(at[1]), real(at[2]));
+  };
+  add(ends.first, pull, a.place);
+  add(ends.second, -pull, b.place);
+}
 
 void JointLoads::add(dJointID made, const Joint& joint) {
   if (joint.loaded()) loads_.push_back({made, joint, dJointGetType(made) == dJointTypeHinge});
@@ -27,6 +76,7 @@ void JointLoads::apply(double t) const {
       dJointAddSliderForce(load.made, force);
     }
   }
+  for (const Ends& ends : struts_) apply(ends);
 }
 
 // Less than half a turn a step, so the nearest branch is the right one.
@@ -44,7 +94,6 @@ double JointLoads::rate(const Load& load) {
   const dBodyID first = dJointGetBody(load.made, 0);
   const dBodyID second = dJointGetBody(load.made, 1);
   if (second == nullptr) return dJointGetSliderPositionRate(load.made);
-  const auto vector = [](const dReal* v) { return Vec3{v[0], v[1], v[2]}; };
   dVector3 axis;
   dJointGetSliderAxis(load.made, axis);
   const Vec3 apart = vector(dBodyGetPosition(first)) - vector(dBodyGetPosition(second));

@@ -112,7 +112,12 @@ void Scene::add_mechanism(const Scenario& scenario) {
     bodies_.push_back(
         {dBodyGetPosition(body), dBodyGetRotation(body), dBodyGetLinearVel(body), dBodyGetAngularVel(body)});
   }
-  for (const Joint& joint : mechanism.joints) add_joint(joint, make_joint(world_, joint, bodies, mechanism.bodies));
+  for (const Joint& joint : mechanism.joints) {
+    add_joint(joint, make_joint(world_, joint, bodies, mechanism.bodies, scenario.step_s));
+  }
+  for (const Strut& strut : mechanism.struts) {
+    loads_.add(bodies[strut.first], strut.second ? bodies[*strut.second] : nullptr, strut);
+  }
   for (const Obstacle& obstacle : mechanism.obstacles) number(make_obstacle(space_, obstacle), obstacle.name);
 }
 

@@ -38,8 +38,16 @@ struct Leave {
     turn(body_is_first ? joint.axis1 : joint.axis2);
   }
   void operator()(const FixedJoint&) const {}
+  void operator()(const PistonJoint&) const { refuse(); }
+  void operator()(const SlidingHingeJoint&) const { refuse(); }
+  void operator()(const SlidingUniversalJoint&) const { refuse(); }
+  void operator()(const Hinge2Joint&) const { refuse(); }
+  void operator()(const PlaneJoint&) const { refuse(); }
 
  private:
+  [[noreturn]] static void refuse() {
+    throw MachineError("a joint of a kind that engines in joint coordinates do not have");
+  }
   /// A joint counts the first body against the second.
   Vec3 counted(const Vec3& axis) const { return body_is_first ? axis : -1.0 * axis; }
   // The axes of one joint stand at right angles at t = 0.
