@@ -27,6 +27,8 @@ constexpr double time_rounding = 1e-15;    // of what is left of the step
 constexpr double beyond_rounding = 1e-14;  // of a motor's limit or velocity
 constexpr double near_newton = 0.02;       // of the bracket: Newton's method misses by the square of what it moved
 constexpr int most_pushes = 10;
+constexpr double energy_rounding = 1e-14;  // of kinetic energy
+constexpr int most_shortenings = 5;        // of a way out, which costs nearly as much as it is long
 constexpr double almost = 0.95;
 constexpr int most_splits = 4;   // of a step where something comes to stick
 constexpr double moment = 1e-4;  // of a step, at which what sticks comes to slip
@@ -36,6 +38,29 @@ bool same_geoms(const Contact& one, const Contact& other) { return one.geoms == 
 
 bool among(const std::vector<Contact>& contacts, const Contact& contact) {
   return std::ranges::any_of(contacts, [&](const Contact& other) { return same_geoms(contact, other); });
+}
+
+double kinetic_energy(const Body& body, const BodyNow& now) {
+  if (body.inverse_mass == 0) return 0;
+  const Eigen::Quaterniond turn(now.pose.turn[0], now.pose.turn[1], now.pose.turn[2], now.pose.turn[3]);
+  const Vector3d spin = turn.conjugate() * now.twist.angular;
+  return now.twist.linear.squaredNorm() / (2 * body.inverse_mass) + spin.dot(body.inertia * spin) / 2;
+}
+
+double kinetic_energy(const Mechanism& mechanism, const State& state) {
+  double sum = 0;
+  for (std::size_t i = 0; i < state.size(); ++i) sum += kinetic_energy(mechanism.bodies[i], state[i]);
+  return sum;
+}
+
+/// Velocities of two states at the poses of the second.
+State mixed(const State& one, State other, double share_of_other) {
+  for (std::size_t i = 0; i < other.size(); ++i) {
+    Twist& twist = other[i].twist;
+    twist.linear = one[i].twist.linear + share_of_other * (twist.linear - one[i].twist.linear);
+    twist.angular = one[i].twist.angular + share_of_other * (twist.angular - one[i].twist.angular);
+  }
+  return other;
 }
 
 double deepest_of(const std::vector<Contact>& contacts) {
@@ -49,6 +74,7 @@ double deepest_of(const std::vector<Contact>& contacts) {
 void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
   const std::vector<Contact> rested = resting_;
   const int crowded = crowded_;
+  const double taken = taken_;
   touches_.clear();
   stopped_.clear();
   struck_.clear();
@@ -60,19 +86,31 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
   forces_ = &forces;
   here_ = state;
   try {
-    if (fresh) settle(here_, options_.start_gap);
+    if (fresh) begin();
     fly(h);
     if (collider_.works(motion_.mechanism()) && !finite(there_))
       refuse("the motion left the finite numbers; take a smaller step");
   } catch (...) {
     resting_ = rested;
     crowded_ = crowded;
+    taken_ = taken;
     touches_.clear();
     throw;
   }
   if (crowded_ > 0) ++crowded_steps_;
   quiet_ = touches_.empty() && crowded_ == 0 ? std::min(quiet_ + 1, calm_steps) : 0;
   std::swap(state, there_);
+}
+
+/// Joints are closed, and what overlaps may be lifted out of it: no farther than by all overlaps together.
+void Flight::begin() {
+  settle(here_, options_.start_gap);
+  if (!collider_.works(motion_.mechanism())) return;
+  look(here_);
+  double overlaps = 0, forces = 0;
+  for (const Contact& contact : contacts_) overlaps += std::max(0.0, contact.depth - rest_depth);
+  for (const Wrench& wrench : forces_->now) forces += wrench.force.norm();
+  taken_ = forces * overlaps;
 }
 
 /// From `here_` to the end of the step, in `there_`: touch by touch, and slip by slip.
@@ -96,6 +134,7 @@ void Flight::fly(double h) {
         continue;
       }
       const std::vector<Contact> resting = resting_;
+      const double taken = taken_;
       hold(there_, h - t);
       // What slid and sticks is taken to the moment at which it does: first almost, then by how much that slowed it.
       if (sticks_.share < 1 && splits++ < most_splits) {
@@ -106,6 +145,7 @@ void Flight::fly(double h) {
         slip = sticks_.slip;
         last_part = part;
         resting_ = resting;
+        taken_ = taken;
         move(t, part, there_);
         look(there_);
         hold(there_, part);
@@ -123,10 +163,12 @@ void Flight::fly(double h) {
     if (!resting_.empty()) {
       const State let_go = there_;
       const std::vector<Contact> resting = resting_;
+      const double taken = taken_;
       const bool touched = hold(there_, h - t);
       if (!touched) break;
       there_ = let_go;
       resting_ = resting;
+      taken_ = taken;
       look(there_);
     }
     double passed = locate(t, h - t);
@@ -431,7 +473,9 @@ void Flight::impact(double t, bool at_once, bool last) {
   const std::size_t touch = touches_.size();
   touches_.push_back({t, -speed(fastest), 0, striking.size()});
   tell(options_.before_impact, touches_[touch]);
+  const State before = here_;
   strike(here_);
+  taken_ -= gained(before, here_);
   touches_[touch].departure = speed(fastest);
   tell(options_.after_impact, touches_[touch]);
 
@@ -514,10 +558,15 @@ void Flight::settle_crowd(State& state, double h) {
     const auto closes = [&](const State& velocities) {
       return normal_speed(contact, state, velocities) < -options_.rest_speed;
     };
-    const bool comes = closes(elastic(contact) ? bare : here_);
+    const State& before = elastic(contact) ? bare : here_;
+    const bool comes = closes(before);
     bounced = bounced || comes;
     // An elastic one that does not close may have to, once others are struck.
     if (!comes && (!elastic(contact) || closes(state))) contact.restitution = 0;
+    // Forces of the step are not given back: with what follows, v+ + v > 0 would be energy from nowhere.
+    if (comes && closes(state)) {
+      contact.restitution *= std::min(1.0, normal_speed(contact, state, before) / normal_speed(contact, state));
+    }
   }
   // Rest takes no deeper overlaps.
   crowded_ = bounced || deepest_of(contacts_) > options_.start_gap ? calm_steps : crowded_ - 1;
@@ -532,8 +581,61 @@ void Flight::settle_crowd(State& state, double h) {
     if (normal_speed(contact, state) <= options_.rest_speed) resting_.push_back(contact);
     contact.depth = (contact.depth - rest_depth) / 2;
   }
+  const std::vector<Twist> way = impact.way_out(0, by);
+  const State struck = state;
+  move_out(motion_, free, way, HUGE_VAL, state);  // what that costs, the bounce pays, then what was taken before
+  const double gain = gained(free, state);
+  if (gain > energy_rounding * kinetic_energy(motion_.mechanism(), free)) {
+    state = free;
+    motion_.project(state);
+    impact.stop(state);
+    state = slowed(state, struck, gain);
+    move_out(motion_, free, way, taken_, state);
+  }
+  taken_ -= gained(free, state);
+}
+
+/// Energy that comes from nowhere from one state to another, J: of motion, less the work of forces.
+double Flight::gained(const State& from, const State& to) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const Body& body = motion_.mechanism().bodies[i];
+    sum += kinetic_energy(body, to[i]) - kinetic_energy(body, from[i]);
+    if (body.inverse_mass > 0) sum -= forces_->now[i].force.dot(to[i].pose.position - from[i].pose.position);
+  }
+  return sum;
+}
+
+/// A bounce with less energy, down to none: of velocities between those without restitution and those with.
+State Flight::slowed(const State& still, const State& struck, double by) const {
+  const double most = gained(still, struck);  // s of a bounce has a s^2 + b s
+  const double a = 2 * (most - 2 * gained(still, mixed(still, struck, 0.5)));
+  const double b = most - a;
+  const double left = std::max(0.0, most - by);
+  const double root = b + std::sqrt(std::max(0.0, b * b + 4 * a * left));
+  return mixed(still, struck, root > 0 ? std::clamp(2 * left / root, 0.0, 1.0) : 0);
+}
+
+/// Moves poses along a way, as far as joints keep, and as far as no more than `most` is gained since the contacts at
+/// hand struck bodies that were `free`. Returns false if it had to stay. Where `most` is `taken_`, energy is never more
+/// than at first and what lifts bodies out of the overlaps that they start with (`begin`), but for rounding; but for
+/// the work of forces that change along the way, and of torques.
+bool Flight::move_out(Motion& motion, const State& free, std::span<const Twist> way, double most, State& state) {
+  if (way.empty()) return true;
   const State before = state;
-  if (!(impact.push_out(0, state, by).size <= mendable)) state = before;
+  const double taken = gained(free, before);
+  const double allowed = most + energy_rounding * kinetic_energy(motion.mechanism(), free);
+  std::vector<Twist> part(way.begin(), way.end());
+  for (int round = 0; round < most_shortenings; ++round) {
+    if (!(motion.displace(part, state).size <= mendable)) break;
+    const double gain = gained(free, state);
+    if (gain <= allowed) return true;
+    const double share = std::clamp((most - taken) / (gain - taken), 0.0, 1.0);
+    for (Twist& twist : part) twist = {share * twist.linear, share * twist.angular};
+    state = before;
+  }
+  state = before;
+  return false;
 }
 
 /// Contacts at hand that rested before begin with what they pushed then.
@@ -602,12 +704,10 @@ bool Flight::hold(State& state, double h) {
       sticks_ = impact->sticks_at(impulses, here_, state, h);
       by = follow(free, state, h);
     }
-    const State before = state;
-    if (!(impact->push_out(rest_depth, state, by, rubs && first ? impulses : Eigen::VectorXd()).size <=
-          mendable)) {  // between jaws of joints
-      state = before;
-      break;
-    }
+    const auto way = impact->way_out(rest_depth, by, rubs && first ? impulses : Eigen::VectorXd());
+    const bool moved = move_out(motion, free, way, taken_, state);
+    taken_ -= gained(free, state);
+    if (!moved) break;  // between jaws of joints, or at the end of what can be lifted
     look(state);
     at_rest();
   }

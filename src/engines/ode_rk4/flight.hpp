@@ -35,9 +35,11 @@ class Flight {
     resting_.clear();
     footholds_.reset();
     crowded_ = 0;
+    taken_ = 0;
   }
 
  private:
+  void begin();
   void fly(double h);
   void find_footholds(double after, bool struck);
   bool slips(double after, double& passed);
@@ -65,6 +67,9 @@ class Flight {
   std::vector<Twist> follow(const State& free, const State& held, double h);
   void settle_crowd(State& state, double h);
   State unforced(Motion& motion, const State& state, double h);
+  double gained(const State& from, const State& to) const;
+  State slowed(const State& still, const State& struck, double by) const;
+  bool move_out(Motion& motion, const State& free, std::span<const Twist> way, double most, State& state);
   void bounce_elastic(Motion& motion, const Impact& impact, std::vector<Contact>& contacts, double h, State& state);
 
   Motion& motion_;
@@ -85,6 +90,7 @@ class Flight {
   double let_go_ = 0;                   // s, since `here_`, at the touch located last
   Sticks sticks_;                       // in the time held last
   int crowded_ = 0;                     // steps that are left to the crowd's scheme if nothing bounces
+  double taken_ = 0;                    // J, by contacts so far, less what ways out of overlaps gave
   int quiet_ = calm_steps;              // steps since the last impact, or that many
   bool first_ = true;                   // step since the mechanism was read
   std::size_t crowded_steps_ = 0;

@@ -282,8 +282,8 @@ Sticks Impact::sticks_at(const Eigen::VectorXd& impulses, const State& before, c
   return first;
 }
 
-JointError Impact::push_out(double depth, State& state, std::span<const Twist> besides,
-                            const Eigen::VectorXd& impulses) const {
+std::vector<Twist> Impact::way_out(double depth, std::span<const Twist> besides,
+                                   const Eigen::VectorXd& impulses) const {
   Eigen::VectorXd b(static_cast<Eigen::Index>(contacts_.size()));
   for (std::size_t i = 0; i < contacts_.size(); ++i) b[static_cast<Eigen::Index>(i)] = depth - contacts_[i].depth;
   if (besides.empty() && (b.array() >= 0).all()) return {};
@@ -318,7 +318,7 @@ JointError Impact::push_out(double depth, State& state, std::span<const Twist> b
     change_[i].linear += besides[i].linear;
     change_[i].angular += besides[i].angular;
   }
-  return motion_.displace(change_, state);
+  return change_;
 }
 
 }  // namespace odeval::engine_rk4

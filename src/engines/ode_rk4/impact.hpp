@@ -61,11 +61,11 @@ class Impact {
   /// sliding on would have led to if normal impulses stayed.
   Sticks sticks_at(const Eigen::VectorXd& impulses, const State& before, const State& state, double h) const;
 
-  /// Moves the bodies apart, mass-weighted and with joints kept, until no contact is deeper than `depth`, to the first
-  /// order in the way, and by what is given besides. What pushes and yet would be apart then is moved down to it. Ends
-  /// what the Impact can be used for. Returns the joint error that is left.
-  JointError push_out(double depth, State& state, std::span<const Twist> besides = {},
-                      const Eigen::VectorXd& impulses = {}) const;
+  /// The way that takes the bodies apart, mass-weighted and with joints kept, until no contact is deeper than `depth`,
+  /// to the first order, with what is given besides. What pushes and yet would be apart then is moved down to it.
+  /// Empty: there is nowhere to go.
+  std::vector<Twist> way_out(double depth, std::span<const Twist> besides = {},
+                             const Eigen::VectorXd& impulses = {}) const;
 
  private:
   double free_response(const Contact& contact) const;
