@@ -124,7 +124,7 @@ void measure_methods(const Accuracy& accuracy, const Scenario& scenario, report:
   for (const Method& method : catalogue::methods()) {
     if (!catalogue::does(method, scenario)) continue;
     std::vector<Cell> row{std::string(method.name)};
-    if (method.make == nullptr || method.name == "lagrange-quad") {
+    if (method.make == nullptr || method.name == "lagrange-quad" || method.tells) {  // `tells`: an engine beside ODE
       const std::string why = method.make == nullptr ? "left out of this build" : "not tried: it takes minutes";
       for (int i = 0; i < 4; ++i) row.emplace_back(Missing{why});
       table.rows.push_back(std::move(row));
