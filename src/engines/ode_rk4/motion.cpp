@@ -78,7 +78,13 @@ void turn_by(const Vector3d& angle, Eigen::Vector4d& q) {
   const double scalar = w * q[0] - u.dot(v);
   q.tail<3>() = w * v + q[0] * u + u.cross(v);
   q[0] = scalar;
-  q.normalize();
+  // Of a length that is nearly 1 by series as well: what they leave out is below 1e-18.
+  const double more = q.squaredNorm() - 1;
+  if (std::fabs(more) < 1e-6) {
+    q *= 1 - more * (0.5 - 0.375 * more);
+  } else {
+    q.normalize();
+  }
 }
 
 Motion::Motion(Mechanism mechanism, int order, bool along_trees)
@@ -454,39 +460,53 @@ bool Motion::bears(double h) const {
   });
 }
 
-JointErrors Motion::step(const State& from, Forces& forces, double h, State& to, bool driven) {
-  const auto combine = [&](std::span<const RungeKutta::Part> parts, State& sum) {
-    for (std::size_t i = 0; i < from.size(); ++i) {
-      BodyNow& body = sum[i];
-      body = from[i];
-      for (const RungeKutta::Part& part : parts) {
-        const Stage& stage = stages_[part.stage];
-        const double share = part.share * h;
-        body.pose.position += share * stage.state[i].twist.linear;
-        body.pose.turn += share * stage.turn_rates[i];
-        body.twist.linear += share * stage.accelerations[i].linear;
-        body.twist.angular += share * stage.accelerations[i].angular;
-      }
-    }
+/// A state moved by the slopes of some stages; the first is of `from` itself.
+void Motion::combine(const State& from, std::span<const RungeKutta::Part> parts, double h, State& sum) const {
+  struct Slope {
+    double time;
+    const BodyNow* states;
+    const Eigen::Vector4d* turn_rates;
+    const Twist* accelerations;
   };
+  std::array<Slope, most_stages> slopes;
+  std::size_t count = 0;
+  for (const auto& [stage, share] : parts) {
+    const Stage& of = stages_[stage];
+    slopes[count++] = {share * h, stage == 0 ? from.data() : of.state.data(), of.turn_rates.data(),
+                       of.accelerations.data()};
+  }
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    BodyNow body = from[i];
+    for (const Slope& slope : std::span(slopes).first(count)) {
+      body.pose.position += slope.time * slope.states[i].twist.linear;
+      body.pose.turn += slope.time * slope.turn_rates[i];
+      body.twist.linear += slope.time * slope.accelerations[i].linear;
+      body.twist.angular += slope.time * slope.accelerations[i].angular;
+    }
+    sum[i] = body;
+  }
+}
+
+JointErrors Motion::step(const State& from, Forces& forces, double h, State& to, bool driven) {
   JointError start_error;
   for (std::size_t s = 0; s < stages_.size(); ++s) {
     Stage& stage = stages_[s];
-    combine(formula_->stages[s].from, stage.state);
+    if (s > 0) combine(from, formula_->stages[s].from, h, stage.state);
+    const State& at = s > 0 ? stage.state : from;
     if (driven && s == 0) {
       stage.accelerations = driven_acceleration_;
       start_error = driven_error_;
     } else {
-      if (forces.renew) forces.renew(forces.start + formula_->stages[s].at * h, stage.state, forces.now);
-      accelerate(stage.state, forces.now, stage.accelerations);
+      if (forces.renew) forces.renew(forces.start + formula_->stages[s].at * h, at, forces.now);
+      accelerate(at, forces.now, stage.accelerations);
       if (s == 0) start_error = largest_error();
     }
     for (std::size_t i = 0; i < from.size(); ++i) {
-      stage.turn_rates[i] = turn_rate(stage.state[i].twist.angular, stage.state[i].pose.turn);
+      stage.turn_rates[i] = turn_rate(at[i].twist.angular, at[i].pose.turn);
     }
   }
   to.resize(from.size());
-  combine(formula_->weights, to);
+  combine(from, formula_->weights, h, to);
   tell_forces(stages_.back().state);
   for (const MotorPlace& place : motors_) {
     Motor& motor = place.of(mechanism_);

@@ -134,6 +134,7 @@ class Motion {
     Wrench on_a, on_b;
   };
 
+  void combine(const State& from, std::span<const RungeKutta::Part> parts, double h, State& sum) const;
   static bool tells(const Joint& joint) { return joint.id == nullptr || dJointGetFeedback(joint.id) != nullptr; }
   JointForce reaction(std::size_t joint) const;
   void tell_forces(const State& state);

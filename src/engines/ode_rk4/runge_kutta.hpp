@@ -18,6 +18,8 @@ struct RungeKutta {
   std::span<const Part> weights;
 };
 
+constexpr std::size_t most_stages = 12;  // of those below
+
 /// Order 4: the classical formula, four stages. Order 8: that of Dormand and Prince with twelve.
 const RungeKutta& runge_kutta(int order);
 

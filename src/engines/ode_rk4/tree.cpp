@@ -28,6 +28,8 @@ Vector3d without(const Vector3d& v, const Vector3d& axis) { return v - axis.dot(
 /// 1 / x of a cosine of a small angle, to its sixth power.
 double over_almost_one(double x) { return 1 + (1 - x) * (2 - x); }
 
+double farthest(const Vector3d& v) { return std::max(std::max(std::fabs(v[0]), std::fabs(v[1])), std::fabs(v[2])); }
+
 Matrix3d inverse(const Matrix3d& m) { return m.llt().solve(Matrix3d::Identity()); }
 
 }  // namespace
@@ -57,7 +59,9 @@ class TreeBuilder {
     }
     Tree::Now& world = tree_.world_;
     world.turn.setIdentity();
-    for (Vector3d* const v : {&world.place, &world.centre, &world.turning, &world.moving}) v->setZero();
+    for (Vector3d* const v : {&world.place, &world.centre, &world.n, &world.f, &world.turning, &world.moving}) {
+      v->setZero();
+    }
     tree_.now_.resize(tree_.links_.size());
     return std::move(tree_);
   }
@@ -206,11 +210,10 @@ JointError Tree::find_gaps() {
     if (!has_joint(links_[i])) continue;
     Offset& found = now_[i].gap;
     gap(links_[i], now_[i], found);
-    double size = 0;
-    for (const Vector3d* const part : {&found.turning, &found.moving}) {
-      for (const double x : *part) size = std::fabs(x) <= size ? size : std::fabs(x);
-    }
-    if (size > largest.size || std::isnan(size)) largest = {size, links_[i].joint};
+    const double size = std::max(farthest(found.turning), farthest(found.moving));
+    const double known = found.turning.sum() + found.moving.sum();
+    if (size > largest.size) largest = {size, links_[i].joint};
+    if (std::isnan(known)) return {known, links_[i].joint};  // which maxima may pass over
   }
   return largest;
 }
@@ -345,12 +348,13 @@ void Tree::factor() {
   }
   for (std::size_t i = links_.size(); i-- > 0;) {
     eliminate(links_[i], now_[i]);
-    if (links_[i].parent != none) hand_on(now_[i], now_[links_[i].parent]);
+    if (links_[i].parent != none) hand_on(links_[i], now_[i], now_[links_[i].parent]);
   }
 }
 
-/// Its inertia, to its parent's: of an arm a, h grows by a x m, and j by c + c', c = a x (h + a x m / 2)'.
-void Tree::hand_on(const Now& now, Now& parent) {
+/// Its inertia, to its parent's: of an arm a, h grows by a x m, and j by c + c', c = a x (h + a x m / 2)'; less what
+/// the joint leaves free, which waits for a division, and all else does not wait for it.
+void Tree::hand_on(const Link& link, const Now& now, Now& parent) {
   const Vector3d& a = now.arm;
   const double m[3][3] = {
       {now.m.xx, now.m.xy, now.m.xz}, {now.m.xy, now.m.yy, now.m.yz}, {now.m.xz, now.m.yz, now.m.zz}};
@@ -371,31 +375,36 @@ void Tree::hand_on(const Now& now, Now& parent) {
   parent.j.add(now.j);
   parent.j.add({2 * c[0][0], 2 * c[1][1], 2 * c[2][2], c[0][1] + c[1][0], c[0][2] + c[2][0], c[1][2] + c[2][1]});
   parent.m.add(now.m);
+  if (!has_s(link)) return;
+  parent.j.take(now.load_n, now.answer_n);
+  parent.m.take(now.load_f, now.answer_f);
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    for (Eigen::Index i = 0; i < 3; ++i) parent.h(i, k) -= now.answer_n[i] * now.load_f[k];
+  }
 }
 
 void Tree::eliminate(const Link& link, Now& now) {
-  const auto take_out = [&] {
-    now.j.take(now.inverse, now.along_n);
-    now.m.take(now.inverse, now.along_f);
-    for (Eigen::Index k = 0; k < 3; ++k) {
-      const double f = now.inverse * now.along_f[k];
-      for (Eigen::Index i = 0; i < 3; ++i) now.h(i, k) -= now.along_n[i] * f;
-    }
+  // Loads about the link's own origin, by a unit of s.
+  const auto free_along = [&](const Vector3d& n, const Vector3d& f, const Vector3d& along_s) {
+    const double inverse = 1 / now.along.dot(along_s);
+    now.load_n = n + now.arm.cross(f);
+    now.load_f = f;
+    now.answer_n = inverse * now.load_n;
+    now.answer_f = inverse * now.load_f;
+    now.share = inverse * now.along;
   };
   switch (link.kind) {
     case Kind::hinge:
-    case Kind::universal:
-      now.along_n = now.j * now.along;
-      now.along_f.noalias() = now.h.transpose() * now.along;
-      now.inverse = 1 / now.along.dot(now.along_n);
-      if (link.parent != none) take_out();
+    case Kind::universal: {
+      const Vector3d n = now.j * now.along;
+      free_along(n, now.h.transpose() * now.along, n);
       break;
-    case Kind::slider:
-      now.along_n.noalias() = now.h * now.along;
-      now.along_f = now.m * now.along;
-      now.inverse = 1 / now.along.dot(now.along_f);
-      if (link.parent != none) take_out();
+    }
+    case Kind::slider: {
+      const Vector3d f = now.m * now.along;
+      free_along(now.h * now.along, f, f);
       break;
+    }
     case Kind::ball:
       now.inverse_j = inverse(now.j.full());
       now.coupling.noalias() = now.inverse_j * now.h;
@@ -481,34 +490,34 @@ void Tree::solve(std::vector<Twist>& twists) {
   follow_parents(twists);
 }
 
+// Here and below in local variables what would else be written and read again, on the way that each link waits for.
 void Tree::load_parents() {
   for (std::size_t i = links_.size(); i-- > 0;) {
     const Link& link = links_[i];
     Now& now = now_[i];
-    const bool to_world = link.parent == none;
-    switch (link.kind) {
-      case Kind::hinge:
-      case Kind::universal:
-      case Kind::slider:
-        now.push = -now.inverse * now.along.dot(link.kind == Kind::slider ? now.f : now.n);
-        if (to_world) break;
-        now.n += now.push * now.along_n;
-        now.f += now.push * now.along_f;
-        break;
-      case Kind::ball:
-        now.f.noalias() -= now.coupling.transpose() * now.n;
-        break;
-      default:
-        break;
-    }
-    if (to_world) continue;
-    Now& parent = now_[link.parent];
+    if (link.kind == Kind::free) continue;
     const auto& [turning, moving] = now.offset;
+    Now& parent = link.parent == none ? world_ : now_[link.parent];  // which nobody asks for its loads
+    // What a ball's torque does to it, it does not hand on, and its turning is none of its parent's.
+    if (link.kind == Kind::ball) {
+      now.f += now.m * moving - now.coupling.transpose() * now.n;
+      parent.n += now.arm.cross(now.f);
+      parent.f += now.f;
+      continue;
+    }
+    const Vector3d n = now.n + now.j * turning + now.h * moving;
     const Vector3d f = now.f + now.h.transpose() * turning + now.m * moving;
-    // What a ball's torque does to it, it does not hand on.
-    if (link.kind != Kind::ball) parent.n += now.n + now.j * turning + now.h * moving;
-    parent.n += now.arm.cross(f);
-    parent.f += f;
+    now.n = n;
+    now.f = f;
+    if (has_s(link)) {
+      const double s = -now.share.dot(link.kind == Kind::slider ? f : n);
+      now.push = s;
+      parent.n += n + now.arm.cross(f) + s * now.load_n;
+      parent.f += f + s * now.load_f;
+    } else {
+      parent.n += n + now.arm.cross(f);
+      parent.f += f;
+    }
   }
 }
 
@@ -517,32 +526,34 @@ void Tree::follow_parents(std::vector<Twist>& twists) {
     const Link& link = links_[i];
     Now& now = now_[i];
     const Now& parent = parent_of(link);
-    now.turning = parent.turning + now.offset.turning;
-    now.moving = parent.moving + parent.turning.cross(now.arm) + now.offset.moving;
+    Vector3d turning = parent.turning + now.offset.turning;
+    Vector3d moving = parent.moving + parent.turning.cross(now.arm) + now.offset.moving;
     switch (link.kind) {
       case Kind::hinge:
       case Kind::universal:
       case Kind::slider: {
-        const double s = now.push - now.inverse * (now.along_n.dot(now.turning) + now.along_f.dot(now.moving));
-        (link.kind == Kind::slider ? now.moving : now.turning) += s * now.along;
+        const double s = now.push - (now.answer_n.dot(parent.turning) + now.answer_f.dot(parent.moving));
+        (link.kind == Kind::slider ? moving : turning) += s * now.along;
         break;
       }
       case Kind::ball:
-        now.turning = -(now.inverse_j * now.n + now.coupling * now.moving);
+        turning = -(now.inverse_j * now.n + now.coupling * moving);
         break;
       case Kind::free: {
-        const Vector3d moving = now.inverse_m * now.f;
-        now.turning = now.inverse_j * (now.h * moving - now.n);
-        now.moving = -(moving + now.coupling * now.turning);
+        const Vector3d pushed = now.inverse_m * now.f;
+        turning = now.inverse_j * (now.h * pushed - now.n);
+        moving = -(pushed + now.coupling * turning);
         break;
       }
       case Kind::fixed:
         break;
     }
+    now.turning = turning;
+    now.moving = moving;
     if (link.body == none) continue;
     Twist& twist = twists[link.body];
-    twist.linear = now.moving + now.turning.cross(now.centre);
-    twist.angular = now.turning;
+    twist.linear = moving + turning.cross(now.centre);
+    twist.angular = turning;
   }
 }
 
@@ -550,10 +561,11 @@ Wrench Tree::force(std::size_t joint, bool on_a) const {
   if (link_of_[joint] == none) return {Vector3d::Zero(), Vector3d::Zero()};
   const Link& link = links_[link_of_[joint]];
   const Now& now = now_[link_of_[joint]];
-  const Vector3d force = now.f + now.h.transpose() * now.turning + now.m * now.moving;
+  const Vector3d turning = now.turning - now.offset.turning, moving = now.moving - now.offset.moving;
+  const Vector3d force = now.f + now.h.transpose() * turning + now.m * moving;
   // About the origin; of a ball joint there is none, and n is what was left to the ball itself.
   Vector3d torque = Vector3d::Zero();
-  if (link.kind != Kind::ball) torque = now.n + now.j * now.turning + now.h * now.moving;
+  if (link.kind != Kind::ball) torque = now.n + now.j * turning + now.h * moving;
   if (link.is_a == on_a) return {force, torque - now.centre.cross(force)};
   const Link& first = link.kind == Kind::universal ? links_[link.parent] : link;
   Vector3d from_parent = now.arm;  // from its centre

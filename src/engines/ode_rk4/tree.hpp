@@ -28,15 +28,14 @@ struct Symmetric {
   Vector3d operator*(const Vector3d& v) const {
     return {xx * v[0] + xy * v[1] + xz * v[2], xy * v[0] + yy * v[1] + yz * v[2], xz * v[0] + yz * v[1] + zz * v[2]};
   }
-  /// Less k v v'.
-  void take(double k, const Vector3d& v) {
-    const double x = k * v[0], y = k * v[1], z = k * v[2];
-    xx -= x * v[0];
-    yy -= y * v[1];
-    zz -= z * v[2];
-    xy -= x * v[1];
-    xz -= x * v[2];
-    yz -= y * v[2];
+  /// Less v w', where w is a multiple of v.
+  void take(const Vector3d& v, const Vector3d& w) {
+    xx -= v[0] * w[0];
+    yy -= v[1] * w[1];
+    zz -= v[2] * w[2];
+    xy -= v[0] * w[1];
+    xz -= v[0] * w[2];
+    yz -= v[1] * w[2];
   }
   void add(const Symmetric& other) {
     xx += other.xx;
@@ -116,34 +115,44 @@ class Tree {
     Vector3d axis;         // of the joint, as the body has it
     Vector3d parent_axis;  // and as the parent has it
     Vector3d along;        // what s is about or along
-    // Articulated inertia: torque about the origin and force are j turning + h moving + n and h' turning + m moving +
-    // f. Once the joint's freedom is eliminated: what the parent feels.
+    // Articulated inertia, of the link and all that hangs on it: torque about the origin and force are j turning + h
+    // moving + n and h' turning + m moving + f.
     Symmetric inertia;  // of the body alone
     Symmetric j, m;
     Matrix3d h;
-    Vector3d along_n, along_f;  // of a unit of s
-    double inverse;             // of the inertia that s has
-    // Of what hangs on a ball joint: j^-1, j^-1 h. Of a free body: inverse of j less its share in the motion of the
-    // origin, m^-1, m^-1 h'.
+    // Of a joint with s. A unit of it loads the parent with `load_n` about its origin and `load_f`; divided by the
+    // inertia that s has, these give what the parent's motion makes of s, and `share` what the link's load does.
+    Vector3d load_n, load_f;
+    Vector3d answer_n, answer_f, share;
+    // Of what hangs on a ball joint: j^-1, j^-1 h; its j and h are zero then, and m is without what the ball leaves
+    // free. Of a free body: inverse of j less its share in the motion of the origin, m^-1, m^-1 h'.
     Matrix3d inverse_j, inverse_m, coupling;
-    // Of the solution at hand.
     Vector3d centripetal;  // acceleration of the centre against the origin
-    Vector3d n, f;
-    double push;
     Offset offset;
-    Vector3d turning, moving;
+    // Of the solution at hand. Vectors that links hand on do not lie side by side: what is written in pairs across two
+    // of them is slow to read.
+    Vector3d n;   // with what the offset asks for, as f
+    double push;  // s, were the parent still
+    Vector3d f;
+    double between_f_and_turning;
+    Vector3d turning;
+    double between_turning_and_moving;
+    Vector3d moving;
     Offset gap;
   };
   struct Speeds;
 
   const Now& parent_of(const Link& link) const { return link.parent == none ? world_ : now_[link.parent]; }
   static bool has_joint(const Link& link) { return link.body != none && link.kind != Kind::free; }
+  static bool has_s(const Link& link) {
+    return link.kind == Kind::hinge || link.kind == Kind::slider || link.kind == Kind::universal;
+  }
   static const Vector3d& parent_spin(const Link& link, const State& state);
   void gap(const Link& link, const Now& now, Offset& offset) const;
   static void slip(const Link& link, const Now& now, const State& state, Offset& offset);
   static void bias(const Link& link, const Now& now, const State& state, Offset& offset);
   static void eliminate(const Link& link, Now& now);
-  static void hand_on(const Now& now, Now& parent);
+  static void hand_on(const Link& link, const Now& now, Now& parent);
   static void unload(Now& now);
   void solve(std::vector<Twist>& twists);
   void load_parents();                              // from the leaves to the roots

@@ -37,12 +37,12 @@ std::uint64_t geoms(dSpaceID space) {
 /// is not asked: a body that was found through a joint comes after the one whose list of joints would show it.
 template <class See>
 bool look_at_bodies(const Mechanism& mechanism, See&& see) {
+  dMass mass;
   for (const Body& body : mechanism.bodies) {
     const int joints = dBodyGetNumJoints(body.id);
     for (int j = 0; j < joints; ++j) {
       if (!see(bits(dBodyGetJoint(body.id, j)))) return false;
     }
-    dMass mass;
     dBodyGetMass(body.id, &mass);
     const int flags = (dBodyIsKinematic(body.id) != 0 ? 1 : 0) + (dBodyGetGyroscopicMode(body.id) != 0 ? 2 : 0);
     bool same = see(bits(joints)) && see(bits(flags)) && see(bits(mass.mass)) &&
