@@ -14,52 +14,68 @@
 
 namespace odeval::audit {
 
-static_assert(sizeof(Frame) % alignof(BodySample) == 0 && head_bytes % alignof(Frame) == 0);
+static_assert(sizeof(Frame) % alignof(BodySample) == 0);
 
 Recording::Recording(const std::filesystem::path& file) {
   const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0 && errno == ENOENT) return;
   struct stat status {};
-  void* place = MAP_FAILED;
-  if (descriptor >= 0 && ::fstat(descriptor, &status) == 0 && status.st_size >= static_cast<off_t>(head_bytes)) {
-    size_ = static_cast<std::size_t>(status.st_size);
-    place = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, descriptor, 0);
+  Head head{};
+  bool is_read = descriptor >= 0 && ::fstat(descriptor, &status) == 0;
+  begun_in_vain_ = is_read && status.st_size < static_cast<off_t>(head_bytes + window_bytes);
+  if (is_read && !begun_in_vain_) {
+    is_read = ::pread(descriptor, &head, sizeof head, 0) == static_cast<ssize_t>(sizeof head);
+    if (is_read && head.magic == record_magic) {
+      head_ = head;
+      map(descriptor, static_cast<std::size_t>(status.st_size));
+      is_read = frames_ != nullptr;
+    }
   }
   const int cause = errno;
   if (descriptor >= 0) ::close(descriptor);
-  begun_in_vain_ = descriptor >= 0 && status.st_size < static_cast<off_t>(head_bytes);
-  if (begun_in_vain_) return;
-  if (place == MAP_FAILED) throw MachineError(file.string() + ": cannot be read: " + std::strerror(cause));
-  bytes_ = static_cast<const std::byte*>(place);
-  at_ = head_bytes;
-  end_ = std::min(size_, head_bytes + static_cast<std::size_t>(head() == nullptr ? 0 : head()->committed));
+  if (!is_read) throw MachineError(file.string() + ": cannot be read: " + std::strerror(cause));
+}
+
+/// What was written behind the window, and then the window, as one piece of memory.
+void Recording::map(int descriptor, std::size_t file_bytes) {
+  const std::size_t before = head_bytes + window_bytes;
+  const std::size_t behind = head_->behind;
+  if (file_bytes < before + behind) return;
+  const std::size_t size = behind + window_bytes;
+  void* const place = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (place == MAP_FAILED) return;
+  frames_ = static_cast<std::byte*>(place);
+  size_ = size;
+  const auto put = [&](std::size_t at, std::size_t bytes, std::size_t from) {
+    const auto offset = static_cast<off_t>(from);
+    return bytes == 0 ||
+           ::mmap(frames_ + at, bytes, PROT_READ, MAP_PRIVATE | MAP_FIXED, descriptor, offset) != MAP_FAILED;
+  };
+  const bool whole = put(0, behind, before) && put(behind, window_bytes, head_bytes);
+  end_ = whole ? std::min<std::size_t>(size_, head_->committed) : 0;
 }
 
 Recording::~Recording() {
-  if (bytes_ != nullptr) ::munmap(const_cast<std::byte*>(bytes_), size_);
+  if (frames_ != nullptr) ::munmap(frames_, size_);
 }
 
 Recording::Recording(Recording&& other) noexcept
-    : bytes_(std::exchange(other.bytes_, nullptr)),
+    : head_(other.head_),
+      frames_(std::exchange(other.frames_, nullptr)),
       size_(other.size_),
       end_(other.end_),
       at_(other.at_),
       begun_in_vain_(other.begun_in_vain_) {}
-
-const Head* Recording::head() const {
-  const auto* const head = reinterpret_cast<const Head*>(bytes_);
-  return head != nullptr && head->magic == record_magic ? head : nullptr;
-}
 
 bool Recording::has(Remark remark) const { return head() != nullptr && (head()->remarks & remark) != 0; }
 
 std::optional<Recording::Moment> Recording::next() {
   if (end_ - at_ < sizeof(Frame)) return std::nullopt;
   Moment moment{};
-  std::memcpy(&moment.frame, bytes_ + at_, sizeof(Frame));
+  std::memcpy(&moment.frame, frames_ + at_, sizeof(Frame));
   const std::size_t whole = sizeof(Frame) + moment.frame.bodies * sizeof(BodySample);
   if (moment.frame.bytes != whole || end_ - at_ < whole) return std::nullopt;
-  moment.bodies = {reinterpret_cast<const BodySample*>(bytes_ + at_ + sizeof(Frame)), moment.frame.bodies};
+  moment.bodies = {reinterpret_cast<const BodySample*>(frames_ + at_ + sizeof(Frame)), moment.frame.bodies};
   at_ += whole;
   return moment;
 }

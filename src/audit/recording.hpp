@@ -23,7 +23,7 @@ class Recording {
   Recording& operator=(const Recording&) = delete;
 
   /// Null where the program made none: it has taken no step of ODE, or there was no room for the first bytes.
-  const Head* head() const;
+  const Head* head() const { return head_ ? &*head_ : nullptr; }
   bool has(Remark remark) const;
   bool had_no_room() const { return begun_in_vain_ || has(no_room); }
 
@@ -35,7 +35,10 @@ class Recording {
   std::optional<Moment> next();
 
  private:
-  const std::byte* bytes_ = nullptr;
+  void map(int descriptor, std::size_t file_bytes);
+
+  std::optional<Head> head_;
+  std::byte* frames_ = nullptr;  // mapped
   std::size_t size_ = 0;
   std::size_t end_ = 0;  // of the frames
   std::size_t at_ = 0;

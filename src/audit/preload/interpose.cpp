@@ -53,7 +53,8 @@ ODEVAL_JOINT(Transmission)
 dJointID ODEVAL_BEFORE(dJointCreateContact)(dWorldID world, dJointGroupID group, const dContact* contact) {
   Session& session = Session::get();
   if (!session.follows()) return ODEVAL_OWN(dJointCreateContact)(world, group, contact);
-  const dContact part = session.softened(world, *contact);
+  dContact place;
+  const dContact& part = session.softened(world, *contact, place);
   dJointID joint = ODEVAL_OWN(dJointCreateContact)(world, group, &part);
   session.worlds().add_contact(world, joint, part, group, session.in_callback());
   return joint;

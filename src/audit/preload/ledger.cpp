@@ -155,8 +155,12 @@ PartSample* Ledger::part_of(Joint& joint) {
 
 Ledger::Pair& Ledger::pair_of(std::uint32_t first, std::uint32_t second) {
   const auto [low, high] = std::minmax(first, second);
-  const auto [found, is_new] = pairs_.try_emplace(std::uint64_t{low} << 32 | high);
+  const std::uint64_t key = std::uint64_t{low} << 32 | high;
+  if (last_pair_ != nullptr && last_key_ == key) return *last_pair_;  // contacts of two bodies come together
+  const auto [found, is_new] = pairs_.try_emplace(key);
   Pair& pair = found->second;
+  last_key_ = key;
+  last_pair_ = &pair;  // a map's values stay where they are
   if (!is_new) return pair;
   pair.part = parts_.add();
   if (pair.part == nullptr) {
@@ -175,7 +179,7 @@ void Ledger::take(World& world, Joint& joint, dReal h) {
   PartSample* const part = part_of(joint);
   const double work = acting.work(h);
   double by_motors = joint.type == dJointTypeAMotor || joint.type == dJointTypeLMotor ? work : 0;
-  for (const Axis& row : axes_of(joint.type)) {
+  for (const Axis& row : joint.axes) {
     const auto parameter = [&](int which) { return row.parameter(joint.id, row.group * dParamGroup + which); };
     const double most = parameter(dParamFMax);
     const double low = parameter(dParamLoStop);

@@ -62,6 +62,8 @@ class Ledger {
   Rows<PartSample> parts_;
   Rows<ShapeSample> shapes_;
   std::unordered_map<std::uint64_t, Pair> pairs_;
+  std::uint64_t last_key_ = 0;
+  Pair* last_pair_ = nullptr;
   std::vector<Pair*> touching_;  // in this step
   bool overflowed_ = false;
 };

@@ -5,14 +5,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 
 #include "audit/preload/rows.hpp"
 
 namespace odeval::audit {
 namespace {
-
-constexpr std::size_t piece_bytes = 1 << 20;
 
 /// Another process of the program was first.
 void tell_the_first(const std::string& file) {
@@ -35,9 +34,11 @@ void Record::begin() {
     tell_the_first(file_);
     return;
   }
-  head_ = static_cast<Head*>(mapped(descriptor, 0, head_bytes));
+  auto* const place = static_cast<char*>(mapped(descriptor, 0, head_bytes + window_bytes));
   ::close(descriptor);
-  if (head_ == nullptr) return;
+  if (place == nullptr) return;
+  head_ = reinterpret_cast<Head*>(place);
+  window_ = place + head_bytes;
   head_->magic = record_magic;
   state_ = State::begun;
 }
@@ -64,34 +65,36 @@ void Record::name(const char* kind, std::uint32_t number, const char* name) {
   if (!whole) remark(no_room);
 }
 
-bool Record::next_piece() {
-  if (piece_ != nullptr) ::munmap(piece_, piece_bytes);
-  piece_ = nullptr;
-  const std::size_t begin = head_bytes + pieces_ * piece_bytes;
-  if (most_bytes_ > 0 && static_cast<double>(begin + piece_bytes) > most_bytes_) return false;
-  const int descriptor = ::open(file_.c_str(), O_RDWR | O_CLOEXEC);
+bool Record::empty_window() {
+  const std::size_t begin = head_bytes + window_bytes + head_->behind;
+  if (most_bytes_ > 0 && static_cast<double>(begin + window_bytes) > most_bytes_) return false;
+  if (!within_limit(begin + window_bytes)) return false;
+  const int descriptor = ::open(file_.c_str(), O_WRONLY | O_CLOEXEC);
   if (descriptor < 0) return false;
-  piece_ = static_cast<char*>(mapped(descriptor, begin, piece_bytes));
-  ::close(descriptor);
-  ++pieces_;
-  return piece_ != nullptr;
+  const ssize_t got = ::pwrite(descriptor, window_, window_bytes, static_cast<off_t>(begin));
+  const bool whole = ::close(descriptor) == 0 && got == static_cast<ssize_t>(window_bytes);
+  if (!whole) return false;
+  // Whoever reads after a death here finds the same bytes in both places.
+  std::atomic_signal_fence(std::memory_order_seq_cst);
+  head_->behind += window_bytes;
+  std::atomic_signal_fence(std::memory_order_seq_cst);
+  return true;
 }
 
 void Record::add(const void* frame, std::size_t bytes) {
   if (head() == nullptr || (head_->remarks & no_room) != 0) return;
   const char* rest = static_cast<const char*>(frame);
   for (std::size_t left = bytes; left > 0;) {
-    const std::size_t room = pieces_ * piece_bytes - written_;
-    if (room == 0) {
-      if (next_piece()) continue;
-      return remark(no_room);
-    }
-    const std::size_t part = std::min(left, room);
-    std::memcpy(piece_ + (piece_bytes - room), rest, part);
+    const std::size_t in_window = written_ - head_->behind;
+    if (in_window == window_bytes && !empty_window()) return remark(no_room);
+    const std::size_t at = in_window % window_bytes;
+    const std::size_t part = std::min(left, window_bytes - at);
+    std::memcpy(window_ + at, rest, part);
     rest += part;
     left -= part;
     written_ += part;
   }
+  std::atomic_signal_fence(std::memory_order_seq_cst);
   head_->committed = written_;
 }
 

@@ -8,8 +8,8 @@
 
 namespace odeval::audit {
 
-/// No descriptor stays open, since a program may close all there are; and the disk has room for what is written before
-/// it is, since writing through a mapping to a full disk would end the program.
+/// No descriptor stays open, since a program may close all there are; and the disk has room for what is mapped before it
+/// is, since writing through a mapping to a full disk would end the program.
 class Record {
  public:
   Record(std::string file, double most_bytes) : file_(std::move(file)), most_bytes_(most_bytes) {}
@@ -36,15 +36,15 @@ class Record {
  private:
   enum class State { not_begun, begun, none };
   void begin();
-  bool next_piece();
+  /// Makes room in the window, which is full; false when there is none behind it.
+  bool empty_window();
 
   std::string file_;
   double most_bytes_;
   State state_ = State::not_begun;
   Head* head_ = nullptr;
-  char* piece_ = nullptr;  // mapped
-  std::size_t pieces_ = 0;
-  std::size_t written_ = 0;  // in all pieces
+  char* window_ = nullptr;
+  std::size_t written_ = 0;  // through the window
 };
 
 }  // namespace odeval::audit

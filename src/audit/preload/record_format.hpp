@@ -1,9 +1,10 @@
 #pragma once
 // What the library that is loaded beside a program writes, and what reads it: plain bytes of this machine.
 //
-// A record is one page with the Head, and then frames, one a step of the program and one before the first. It is
-// written through memory that is mapped from the file: what stands there when the program dies, by whatever signal, is
-// whole frames, `Head::committed` bytes of them.
+// A record is one page with the Head, a window, and then frames, one a step of the program and one before the first.
+// Head and window are memory that is mapped from the file, and a window that is full is written behind what is there:
+// so what the program leaves when it dies, by whatever signal, is whole frames, `Head::committed` bytes of them, the
+// last of which, from `Head::behind` on, are in the window. A page that is mapped costs four times one that is written.
 #include <cstddef>
 #include <cstdint>
 
@@ -11,6 +12,7 @@ namespace odeval::audit {
 
 constexpr std::uint64_t record_magic = 0x31'54'49'44'55'41'4f'2eULL;
 constexpr std::size_t head_bytes = 4096;
+constexpr std::size_t window_bytes = 1 << 18;
 
 /// What a record is not, or not only.
 enum Remark : std::uint32_t {
@@ -27,7 +29,8 @@ enum Remark : std::uint32_t {
 
 struct Head {
   std::uint64_t magic;
-  std::uint64_t committed;  // bytes of whole frames behind the head
+  std::uint64_t committed;  // bytes of whole frames
+  std::uint64_t behind;     // bytes that were written behind the window, of whole windows
   std::uint32_t remarks;    // of Remark
   std::uint32_t refinement;
   // Of the first world that steps, before it does, without what is tried in their place:

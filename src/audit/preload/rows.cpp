@@ -13,9 +13,13 @@ constexpr std::size_t most_rows = 64 * rows_in_piece;
 
 }  // namespace
 
-void* mapped(int descriptor, std::size_t begin, std::size_t bytes) {
+bool within_limit(std::size_t bytes) {
   rlimit limit{};
-  if (::getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur < begin + bytes) return nullptr;
+  return ::getrlimit(RLIMIT_FSIZE, &limit) != 0 || limit.rlim_cur >= bytes;
+}
+
+void* mapped(int descriptor, std::size_t begin, std::size_t bytes) {
+  if (!within_limit(begin + bytes)) return nullptr;
   if (::posix_fallocate(descriptor, static_cast<off_t>(begin), static_cast<off_t>(bytes)) != 0) return nullptr;
   void* place = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, static_cast<off_t>(begin));
   return place == MAP_FAILED ? nullptr : place;

@@ -6,8 +6,10 @@
 
 namespace odeval::audit {
 
-/// `bytes` of a file from `begin` on in memory, with room for them on the disk; null when there is none. Growing beyond
-/// the limit of the process would be a signal.
+/// Whether a file of this process may be so long: one more byte would be a signal.
+bool within_limit(std::size_t bytes);
+
+/// `bytes` of a file from `begin` on in memory, with room for them on the disk; null when there is none.
 void* mapped(int descriptor, std::size_t begin, std::size_t bytes);
 
 /// Rows are zeros at first, and stay where they are.

@@ -35,7 +35,8 @@ double between(const Joint& joint, Anchor first, Anchor second) {
   dVector3 b{};
   first(joint.id, a);
   second(joint.id, b);
-  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+  const dVector3 apart{a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+  return std::sqrt(dot(apart, apart));
 }
 
 /// The centre of the second body, or the world's origin, in the frame of the first.
@@ -89,15 +90,13 @@ double gap(Joint& joint) {
   }
 }
 
-BodySample sample_of(const Body& body) {
-  BodySample sample{};
+void sample_body(const Body& body, BodySample& sample) {
   sample.body = body.number;
   sample.kinematic = dBodyIsKinematic(body.id) != 0 ? 1 : 0;
   std::copy_n(dBodyGetPosition(body.id), 3, sample.position);
   std::copy_n(dBodyGetQuaternion(body.id), 4, sample.quaternion);
   std::copy_n(dBodyGetLinearVel(body.id), 3, sample.velocity);
   std::copy_n(dBodyGetAngularVel(body.id), 3, sample.spin);
-  return sample;
 }
 
 }  // namespace
@@ -108,12 +107,10 @@ const std::vector<char>& Sampler::take(World& world, const Step& step) {
   dVector3 gravity;
   dWorldGetGravity(world.id, gravity);
   Energy energy;
-  char* place = bytes_.data() + sizeof frame;
+  auto* sample = reinterpret_cast<BodySample*>(bytes_.data() + sizeof frame);
   for (const Body& body : world.bodies) {
+    sample_body(body, *sample++);
     add_energy(body, gravity, energy);
-    const BodySample sample = sample_of(body);
-    std::memcpy(place, &sample, sizeof sample);
-    place += sizeof sample;
   }
   frame.gap_joint = -1;
   for (Joint& joint : world.joints) {

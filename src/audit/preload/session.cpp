@@ -143,12 +143,11 @@ void Session::name(dJointID joint, const char* name) {
   if (const Joint* its = worlds_.find(joint)) record_.name("joint", its->number, name);
 }
 
-dContact Session::softened(dWorldID world, const dContact& contact) const {
-  dContact part = contact;
-  if (settings_.refinement > 1 && settings_.hold_springs) {
-    soften(part.surface, {dWorldGetERP(world), dWorldGetCFM(world)}, settings_.refinement);
-  }
-  return part;
+const dContact& Session::softened(dWorldID world, const dContact& contact, dContact& place) const {
+  if (settings_.refinement == 1 || !settings_.hold_springs) return contact;
+  place = contact;
+  soften(place.surface, {dWorldGetERP(world), dWorldGetCFM(world)}, settings_.refinement);
+  return place;
 }
 
 void Session::check_thread() {

@@ -39,8 +39,8 @@ class Session {
   /// Whether what the program makes now is made in a callback that can be called again.
   bool in_callback() const { return collide_depth_ > 0; }
 
-  /// A contact as the step's part wants it.
-  dContact softened(dWorldID world, const dContact& contact) const;
+  /// A contact as the step's part wants it: itself, or what is made of it in `place`.
+  const dContact& softened(dWorldID world, const dContact& contact, dContact& place) const;
 
   dMessageFunction* program_message = nullptr;  // its handlers; null: ODE's own
   dMessageFunction* program_debug = nullptr;

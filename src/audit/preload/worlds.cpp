@@ -38,13 +38,14 @@ void Worlds::forget(dBodyID body) {
 }
 
 void Worlds::add(dWorldID world, dJointID joint, dJointType type, dJointGroupID group) {
-  of(world).joints.push_back({.id = joint, .number = joints_made_++, .type = type, .group = group});
+  of(world).joints.push_back(
+      {.id = joint, .number = joints_made_++, .type = type, .group = group, .axes = axes_of(type)});
   if (group != nullptr) ++of(group).other;
 }
 
 void Worlds::add_contact(dWorldID world, dJointID joint, const dContact& contact, dJointGroupID group, bool renewable) {
   World& its = of(world);
-  if (follows_touches_) its.touches.push_back({.id = joint, .group = group, .contact = contact});
+  if (follows_touches_) its.touches.emplace_back(joint, group, contact);
   ++its.contacts;
   its.depth = std::max(its.depth, contact.geom.depth);
   if (group == nullptr) {

@@ -5,7 +5,10 @@
 #include <array>
 #include <cstdint>
 #include <list>
+#include <span>
 #include <vector>
+
+#include "audit/preload/axes.hpp"
 
 namespace odeval::audit {
 
@@ -41,6 +44,7 @@ struct Joint {
   Triple offset{};                      // then: of the bodies, in the frame of the first
   dJointFeedback feedback{};            // sum over the parts of a step
   std::vector<Changed> changed{};       // parameters, while they are
+  std::span<const Axis> axes{};         // of its motors and stops
   PartSample* part = nullptr;           // of the ledger
   std::array<std::size_t, 2> places{};  // of its bodies in the world's, if they still are there
 };
@@ -50,7 +54,9 @@ struct Touch {
   dJointID id;
   dJointGroupID group;
   dContact contact;
-  dJointFeedback feedback{};
+  dJointFeedback feedback;  // set when ODE is asked for it
+
+  Touch(dJointID its_id, dJointGroupID its_group, const dContact& its) : id(its_id), group(its_group), contact(its) {}
 };
 
 struct World {
