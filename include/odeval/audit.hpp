@@ -74,8 +74,19 @@ struct ProgramRun {
 struct Tried {
   std::string set;  // "erp=0.8"
   std::vector<Estimate>
-      distance_m;   // from the limit, at the times of Answer::error_at; no number: it has ended by then
-  double cost = 0;  // of a step within ODE, over that of the unchanged run
+      distance_m{};    // from the limit, at the times of Answer::error_at; no number: it has ended by then
+  double cpu = 0;      // time of a step within ODE, over that of the unchanged run: as it was measured
+  double work = 0;     // of the solver over that of the unchanged run, as it was counted; NaN: not known
+  bool asked = false;  // for by the user
+};
+
+/// What the solvers have to do in the unchanged run: rows of joints and contacts, weighted by what they were measured
+/// to take, in ns. The machine's time is another each time; this is not.
+struct SolverWork {
+  double direct = 0;     // of dWorldStep: by the rows of each island of bodies that are joined
+  double iteration = 0;  // of one of dWorldQuickStep's
+  double besides = 0;    // of both
+  std::uint32_t iterations = 0;
 };
 
 /// Kinetic energy and that of gravity, of all bodies; nothing of springs and motors.
@@ -163,7 +174,7 @@ struct EnergyPoint {
   }
 };
 
-/// Where two runs of the same program part.
+/// Where two runs of the same program part, or where it is no number any more.
 struct Parting {
   std::uint64_t step = 0;  // of the program, from 1; 0: the start
   double t_s = 0;
@@ -188,10 +199,12 @@ struct Answer {
   std::map<std::uint32_t, std::string> body_names;  // from 1, those that the program named
   std::map<std::uint32_t, std::string> joint_names;
   double ode_s = 0;  // within ODE, of the unchanged run
+  SolverWork solver;
 
-  std::vector<ProgramRun> runs;    // the unchanged first
-  std::optional<Parting> parting;  // of the two unchanged runs: nothing: they are the same to the bit
-  std::string reason;              // why there is no error; empty: there is
+  std::vector<ProgramRun> runs;     // the unchanged first
+  std::optional<Parting> parting;   // of the two unchanged runs: nothing: they are the same to the bit
+  std::optional<Parting> diverged;  // where the unchanged run is no number any more: what is told is of the time before
+  std::string reason;               // why there is no error; empty: there is
 
   double until_s = 0;                    // up to which all runs go
   std::vector<ErrorUntil> error_at;      // at 1, 2, 5, 10, … s and at the end

@@ -3,16 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <limits>
-#include <map>
-#include <numbers>
 #include <unordered_map>
 
 #include "audit/extrapolation.hpp"
 #include "audit/recording.hpp"
 #include "audit/thinned.hpp"
+#include "audit/unseen.hpp"
 
 namespace odeval::audit {
 namespace {
@@ -26,13 +23,6 @@ double report_time(int number) {
   return leads[static_cast<std::size_t>(number - 3 * decade)] * std::pow(10.0, decade);
 }
 constexpr int first_report = -9;  // 1 ms
-constexpr double rounding_of_time = 1e-9;
-
-bool same_bodies(const Moment& a, const Moment& b) {
-  return a.frame.world == b.frame.world && a.frame.step == b.frame.step &&
-         std::ranges::equal(a.bodies, b.bodies, {}, &BodySample::body, &BodySample::body) &&
-         std::fabs(a.frame.t - b.frame.t) <= rounding_of_time * (1 + a.frame.t);
-}
 
 double away(const double* a, const double* b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
 
@@ -44,43 +34,21 @@ double turn(const double* a, const double* b) {
   return 4 * std::asin(std::min(1.0, std::sqrt(square) / 2));
 }
 
-/// What rounding has come to: the motion makes it grow as it makes grow what starts were moved by.
-struct Chaos {
-  double moved_by_m = 0;
-  double apart_m = 0;       // the largest so far
-  double extent_m = 0;      // of coordinates
-  std::uint64_t steps = 0;  // of the finest run
-
-  double growth() const { return moved_by_m > 0 ? std::max(1.0, apart_m / moved_by_m) : 1; }
-  /// Half a unit of the last place a step, all one way.
-  double rounding_m() const { return 1.1e-16 * static_cast<double>(steps) * std::max(1.0, extent_m) * growth(); }
-};
-
-/// What no refinement sees: where a velocity bends or jumps (an impact, a motor that reaches its speed) within the
-/// first part of a step, all runs have it between the same two grid points, and agree on a limit that is off by up to
-/// what the bend comes to in the finest part of a step. Bends fall anywhere, so their squares add.
-class Bends {
- public:
-  void add(const double* velocity, double h) {
-    constexpr long first = 2;  // what begins with the run begins on everybody's grid
-    double square = 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const double change = velocity[i] - before_[i];
-      if (steps_ > first) square += (change - change_[i]) * (change - change_[i]);
-      change_[i] = change;
-      before_[i] = velocity[i];
-    }
-    ++steps_;
-    sum_ += square * h * h;
-  }
-  double unseen(int refinement) const { return std::sqrt(sum_) / refinement; }
-
- private:
-  std::array<double, 3> before_{};
-  std::array<double, 3> change_{};
-  long steps_ = 0;
-  double sum_ = 0;
-};
+/// Of the program with `set`, "iterations=50", in the place of its own, over what it is.
+double solver_work(const Answer& answer, const std::string& set) {
+  const SolverWork& solver = answer.solver;
+  const auto of = [&](bool quick, double iterations) {
+    return solver.besides + (quick ? iterations * solver.iteration : solver.direct);
+  };
+  const bool quick = answer.stepper == "dWorldQuickStep";
+  const double own = of(quick, solver.iterations);
+  const std::size_t sign = set.find('=');
+  const std::string key = set.substr(0, sign);
+  const std::string value = set.substr(sign + 1);
+  if (key == "iterations") return of(quick, std::stod(value)) / own;
+  if (key != "stepper") return 1;
+  return value == "accurate" ? NAN : of(value == "quick", solver.iterations) / own;
+}
 
 struct Errors {
   Spread distance;
@@ -125,7 +93,7 @@ class Judge {
     return {Spread(records_.refinements, others_.size()), Spread(records_.refinements, others_.size())};
   }
 
-  /// The same step of all runs; false when one has none, or other bodies.
+  /// The same step of all runs; false when one has none, or other bodies, or the program's own is no number any more.
   bool next() {
     moments_.clear();
     for (Recording& run : runs_) {
@@ -136,6 +104,7 @@ class Judge {
                                  std::to_string(moment->frame.step) + " on, and are compared until there");
         return false;
       }
+      if (moments_.empty() && not_finite(*moment) != 0) return false;
       moments_.push_back(*moment);
     }
     of_others_.assign(others_.size(), std::nullopt);
@@ -330,7 +299,11 @@ class Judge {
   void take_tried() {
     const std::size_t runs = runs_.size();
     for (std::size_t i = 0; i < records_.tried.size(); ++i) {
-      Tried tried{records_.tried_sets[i], {}, cost_of(records_.tried[i]) / cost_of(records_.unchanged_again)};
+      Tried tried{.set = records_.tried_sets[i],
+                  .distance_m = {},
+                  .cpu = cost_of(records_.tried[i]) / cost_of(records_.unchanged_again),
+                  .work = solver_work(answer_, records_.tried_sets[i]),
+                  .asked = records_.tried.size() - i <= records_.asked};
       for (const auto& distances : distances_) tried.distance_m.push_back(distances[runs + i]);
       answer_.tried.push_back(std::move(tried));
     }
@@ -405,156 +378,7 @@ class Judge {
   int next_report_ = first_report;
 };
 
-Work work_of(const Frame& frame) {
-  return {frame.work_added, frame.work_motors, frame.work_joints, frame.work_contacts, frame.work_damping};
-}
-
-/// Of ODE's kinds of joints, in their order.
-const char* joint_kind(std::uint32_t type) {
-  constexpr std::array kinds{"none",   "ball",  "hinge",  "slider",      "contact",      "universal",
-                             "hinge2", "fixed", "null",   "amotor",      "lmotor",       "plane2d",
-                             "pr",     "pu",    "piston", "double ball", "double hinge", "transmission"};
-  return type < kinds.size() ? kinds[type] : "joint";
-}
-constexpr std::uint32_t contact_type = 4;
-
-JointSummary summary_of(const PartSample& part) {
-  return {.kind = joint_kind(part.type),
-          .number = part.type == contact_type ? 0 : part.number + 1,
-          .bodies = {part.bodies[0], part.bodies[1]},
-          .steps = part.steps,
-          .largest_m = part.largest_m,
-          .largest_t_s = part.largest_t,
-          .force_N = part.force,
-          .torque_Nm = part.torque,
-          .work_J = part.work,
-          .motor_work_J = part.motor_work,
-          .at_limit = part.steps_at_limit,
-          .at_stop = part.steps_at_stop,
-          .friction_share = part.friction_share,
-          .sliding = part.steps_sliding,
-          .rough = part.steps_rough};
-}
-
-/// Joints by number, then contacts, the deepest first.
-std::vector<JointSummary> read_summaries(const std::filesystem::path& record) {
-  std::vector<JointSummary> all;
-  for (const PartSample& part : read_rows<PartSample>(record.string() + parts_ending)) all.push_back(summary_of(part));
-  std::ranges::stable_sort(all, [](const JointSummary& a, const JointSummary& b) {
-    if ((a.number == 0) != (b.number == 0)) return a.number != 0;
-    return a.number != 0 ? a.number < b.number : a.largest_m > b.largest_m;
-  });
-  return all;
-}
-
-/// How much there is of what, in all worlds together.
-class Counts {
- public:
-  /// Raises the most at a time to what there is now.
-  void add(const Frame& frame, Answer& answer) {
-    worlds_[frame.world] = {frame.bodies, frame.joints, frame.contacts};
-    std::array<std::uint32_t, 3> sum{};
-    for (const auto& [world, counts] : worlds_) {
-      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += counts[i];
-    }
-    answer.worlds = static_cast<std::uint32_t>(worlds_.size());
-    answer.bodies = std::max(answer.bodies, sum[0]);
-    answer.joints = std::max(answer.joints, sum[1]);
-    answer.contacts = std::max(answer.contacts, sum[2]);
-  }
-
- private:
-  std::map<std::uint32_t, std::array<std::uint32_t, 3>> worlds_;
-};
-
-/// Of all worlds, at the time of the frame, and its gap.
-EnergyPoint sum_of(const std::map<std::uint32_t, EnergyPoint>& worlds, const Frame& frame) {
-  EnergyPoint sum{.t_s = frame.t, .gap_m = frame.gap, .depth_m = frame.depth};
-  for (const auto& [number, world] : worlds) {
-    sum.kinetic_J += world.kinetic_J;
-    sum.potential_J += world.potential_J;
-    sum.work.added += world.work.added;
-    sum.work.motors += world.work.motors;
-    sum.work.joints += world.work.joints;
-    sum.work.contacts += world.work.contacts;
-    sum.work.damping += world.work.damping;
-  }
-  return sum;
-}
-
-void read_names(const std::string& file, Answer& answer) {
-  std::ifstream in(file);
-  std::string kind;
-  std::uint32_t number = 0;
-  for (std::string name; in >> kind >> number && std::getline(in >> std::ws, name);) {
-    (kind == "body" ? answer.body_names : answer.joint_names)[number + 1] = name;
-  }
-}
-
 }  // namespace
-
-std::optional<Parting> parting(const std::filesystem::path& one, const std::filesystem::path& other) {
-  Recording a(one);
-  Recording b(other);
-  for (std::uint64_t step = 0;; ++step) {
-    const auto ours = a.next();
-    const auto theirs = b.next();
-    if (!ours && !theirs) return std::nullopt;
-    if (!ours || !theirs) return Parting{step, (ours ? ours : theirs)->frame.t, 0};
-    if (!same_bodies(*ours, *theirs)) return Parting{ours->frame.step, ours->frame.t, 0};
-    for (std::size_t i = 0; i < ours->bodies.size(); ++i) {
-      if (std::memcmp(&ours->bodies[i], &theirs->bodies[i], sizeof(BodySample)) == 0) continue;
-      return Parting{ours->frame.step, ours->frame.t, ours->bodies[i].body + 1};
-    }
-  }
-}
-
-void describe(const std::filesystem::path& unchanged, Answer& answer) {
-  Recording run(unchanged);
-  read_names(unchanged.string() + names_ending, answer);
-  answer.joint_summaries = read_summaries(unchanged);
-  if (const Head* head = run.head()) {
-    answer.messages = head->messages;
-    answer.first_message = head->first_message;
-  }
-  bool quick = false;
-  bool plain = false;
-  Counts counts;
-  std::map<std::uint32_t, EnergyPoint> worlds;  // as they were last
-  Thinned<EnergyPoint> curve;
-  for (auto moment = run.next(); moment; moment = run.next()) {
-    const Frame& frame = moment->frame;
-    EnergyPoint& world = worlds[frame.world];
-    world = {frame.t, frame.kinetic, frame.potential, work_of(frame), frame.gap, frame.depth};
-    curve.add(sum_of(worlds, frame));
-    if (frame.step == 0) {
-      answer.energy.begin_J += world.kinetic_J + world.potential_J;
-      continue;
-    }
-    if (answer.messages > 0 && answer.first_message_t_s == 0 && frame.messages > 0) answer.first_message_t_s = frame.t;
-    if (answer.h_s == 0) answer.h_s = frame.h;
-    answer.h_varies = answer.h_varies || frame.h != answer.h_s;
-    (frame.quick != 0 ? quick : plain) = true;
-    counts.add(frame, answer);
-    answer.depth_m = std::max(answer.depth_m, frame.depth);
-    answer.ode_s += frame.ode_s;
-    if (frame.gap > answer.gap.largest_m) answer.gap = {frame.gap, frame.t, frame.gap_joint + 1};
-  }
-  const EnergyPoint end = sum_of(worlds, {});
-  answer.energy.end_J = end.kinetic_J + end.potential_J;
-  answer.work = end.work;
-  answer.energy_over_time = curve.points();
-  answer.stepper = quick && plain ? "dWorldStep and dWorldQuickStep" : quick ? "dWorldQuickStep" : "dWorldStep";
-}
-
-void each_step(const std::filesystem::path& record, const std::function<void(const StepRow&)>& take) {
-  Recording run(record);
-  for (auto moment = run.next(); moment; moment = run.next()) {
-    const Frame& frame = moment->frame;
-    take({frame.world + 1, frame.t, frame.kinetic, frame.potential, work_of(frame), frame.gap, frame.contacts,
-          frame.depth, frame.messages});
-  }
-}
 
 void judge(const Records& records, Answer& answer) { Judge(records, answer).judge(); }
 

@@ -22,6 +22,7 @@ struct Records {
   double moved_by_m = 0;
   std::vector<std::filesystem::path> tried;           // the unchanged run with other settings
   std::vector<std::string> tried_sets;                // "erp=0.8"
+  std::size_t asked = 0;                              // of those, the last ones: the user's own
   std::optional<std::filesystem::path> with_numbers;  // at the last refinement but one
 };
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
@@ -78,6 +79,24 @@ std::optional<Recording::Moment> Recording::next() {
   moment.bodies = {reinterpret_cast<const BodySample*>(frames_ + at_ + sizeof(Frame)), moment.frame.bodies};
   at_ += whole;
   return moment;
+}
+
+bool same_bodies(const Recording::Moment& a, const Recording::Moment& b) {
+  return a.frame.world == b.frame.world && a.frame.step == b.frame.step &&
+         std::ranges::equal(a.bodies, b.bodies, {}, &BodySample::body, &BodySample::body) &&
+         std::fabs(a.frame.t - b.frame.t) <= rounding_of_time * (1 + a.frame.t);
+}
+
+std::uint32_t not_finite(const Recording::Moment& moment) {
+  const auto finite = [](const auto& values) {
+    return std::ranges::all_of(values, [](double x) { return std::isfinite(x); });
+  };
+  for (const BodySample& body : moment.bodies) {
+    if (!finite(body.position) || !finite(body.quaternion) || !finite(body.velocity) || !finite(body.spin)) {
+      return body.body + 1;
+    }
+  }
+  return 0;
 }
 
 }  // namespace odeval::audit

@@ -45,6 +45,14 @@ class Recording {
   bool begun_in_vain_ = false;  // the file is there, and nothing is in it
 };
 
+constexpr double rounding_of_time = 1e-9;  // relative, of a sum of steps
+
+/// The same step of the same world, with the same bodies.
+bool same_bodies(const Recording::Moment& a, const Recording::Moment& b);
+
+/// The first body, from 1, whose place or motion is no finite number; 0: none.
+std::uint32_t not_finite(const Recording::Moment& moment);
+
 /// Rows beside a record, of PartSample or ShapeSample; none where there is no such file.
 template <class Row>
 std::vector<Row> read_rows(const std::filesystem::path& file) {

@@ -28,11 +28,6 @@ Place limit_of(const std::vector<Moment>& moments, std::size_t body, const std::
   return place;
 }
 
-bool same_bodies(const Moment& a, const Moment& b) {
-  return a.frame.world == b.frame.world && a.frame.step == b.frame.step &&
-         std::ranges::equal(a.bodies, b.bodies, {}, &BodySample::body, &BodySample::body);
-}
-
 }  // namespace
 
 std::vector<Scene> scenes_at(const Records& records, std::size_t degree, const std::vector<double>& times) {

@@ -31,8 +31,9 @@ void fill(std::array<Column, size>& columns, std::size_t rows) {
 void require_motion(const Trace& trace, const Scenario& scenario, const std::string& name) {
   const std::size_t angles = scenario.planar ? scenario.planar->links.size() : 0;
   if (trace.q.size() != angles) {
-    throw UserError(name + ": has " + std::to_string(trace.q.size()) + " of the columns q1, q2, ...; '" +
-                    scenario.name + "' has " + std::to_string(angles) + " angles");
+    const std::string has = trace.q.empty() ? "none" : std::to_string(trace.q.size());
+    throw UserError(name + ": has " + has + " of the columns q1, q2, ...; '" + scenario.name + "' has " +
+                    std::to_string(angles) + " angles");
   }
   const std::size_t bodies = scenario.mechanism.bodies.size();
   if (angles == 0 && (trace.bodies.size() != bodies || !has_all(trace, &BodyColumns::position))) {

@@ -29,9 +29,13 @@ struct Options {
   bool json = false;
 };
 
-/// Numbers of which every one is finite.
+/// Numbers of which every one is finite, over time.
 CsvColumns read_numbers(const std::string& file) {
   CsvColumns columns = read_csv(file);
+  if (columns.header.empty()) throw UserError(file + ": is empty: must have a column t with two rows or more");
+  if (std::ranges::find(columns.header, "t") == columns.header.end()) {
+    throw UserError(fmt::format("{}: must have a column t, and has {}", file, fmt::join(columns.header, ", ")));
+  }
   for (std::size_t row = 0; row < (columns.columns.empty() ? 0 : columns.columns.front().size()); ++row) {
     for (std::size_t i = 0; i < columns.header.size(); ++i) {
       if (std::isfinite(columns.columns[i][row])) continue;
@@ -42,17 +46,14 @@ CsvColumns read_numbers(const std::string& file) {
   return columns;
 }
 
-Trace read_trace(const std::string& file) {
-  const CsvColumns columns = read_numbers(file);
+void tell_of_unknown(const CsvColumns& columns, const std::string& file) {
   std::vector<std::string> unknown;
   for (const std::string& cell : columns.header) {
     if (trace_column_of(cell) == nullptr) unknown.push_back("'" + cell + "'");
   }
-  if (!unknown.empty()) {
-    std::cerr << fmt::format("odeval: {}: no trace has {} {}: left out\n", file,
-                             unknown.size() == 1 ? "a column" : "the columns", fmt::join(unknown, ", "));
-  }
-  return trace_of(columns);
+  if (unknown.empty()) return;
+  std::cerr << fmt::format("odeval: {}: no trace has {} {}: left out\n", file,
+                           unknown.size() == 1 ? "a column" : "the columns", fmt::join(unknown, ", "));
 }
 
 /// The whole run, and the times of errors within it.
@@ -66,13 +67,15 @@ std::vector<double> times_within(double end) {
 }
 
 int beside_reference(const Options& options) {
-  Trace trace = read_trace(options.trace);
+  const CsvColumns columns = read_numbers(options.trace);
+  Trace trace = trace_of(columns);
   const double dt = spacing(trace.t, options.trace);
   const double end = dt * static_cast<double>(trace.rows() - 1);
   catalogue::Evaluator evaluator = evaluator_at(options.scenario, options.settings, dt, trace.rows(), options.trace);
   const SampleGrid& grid = evaluator.grid();
   for (std::size_t row = 0; row < trace.rows(); ++row) trace.t[row] = grid.time(static_cast<long>(row));
   catalogue::ForeignTrace foreign(std::move(trace), evaluator, options.trace);
+  tell_of_unknown(columns, options.trace);
   std::vector<Metrics> metrics;
   for (const double until : times_within(end)) metrics.push_back(foreign.measure(until));
   std::cout << (options.json ? judgement_json(metrics) : judgement_table(metrics));
@@ -91,8 +94,15 @@ int beside_half_the_step(const Options& options) {
                                 options.against, number_text(finer), options.trace, number_text(dt)));
   }
   const auto every = static_cast<std::size_t>(std::lround(ratio));
+  const std::size_t rows = whole.columns.front().size();
+  const std::size_t finer_rows = half.columns.front().size();
+  if (finer_rows < (rows - 1) * every + 1) {
+    throw UserError(fmt::format("{}: ends at t = {}, and must go on until the end of {}, {}", options.against,
+                                number_text(finer * static_cast<double>(finer_rows - 1)), options.trace,
+                                number_text(dt * static_cast<double>(rows - 1))));
+  }
   const std::vector<TraceDifference> differences =
-      differences_of(whole, half, every, times_within(dt * static_cast<double>(whole.columns.front().size() - 1)));
+      differences_of(whole, half, every, times_within(dt * static_cast<double>(rows - 1)));
   if (differences.empty()) throw UserError(options.against + ": has no column of " + options.trace);
   std::cout << (options.json ? differences_json(differences) : differences_table(differences));
   return 0;

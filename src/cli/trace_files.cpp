@@ -11,10 +11,13 @@ namespace odeval::cli {
 double spacing(const Column& t, const std::string& name) {
   if (t.size() < 2) throw UserError(name + ": must have a column t with two rows or more");
   const double dt = t[1] - t[0];
+  if (!(dt > 0)) {
+    throw UserError(
+        fmt::format("{}:3: t = {} must be more than the {} before it", name, number_text(t[1]), number_text(t[0])));
+  }
   for (std::size_t row = 0; row < t.size(); ++row) {
     constexpr double rounding = 1e-6;  // of a spacing: files have as few digits as their writers like
-    if (dt > 0 && std::fabs(t[row] - static_cast<double>(row) * dt) <= rounding * dt * static_cast<double>(row + 1))
-      continue;
+    if (std::fabs(t[row] - static_cast<double>(row) * dt) <= rounding * dt * static_cast<double>(row + 1)) continue;
     throw UserError(fmt::format("{}:{}: t = {} must be {}: times begin at 0 and go in even steps", name, row + 2,
                                 number_text(t[row]), number_text(static_cast<double>(row) * dt)));
   }

@@ -43,6 +43,7 @@ std::string joint_name(const Answer& answer, std::uint32_t joint) { return calle
 
 std::string audit_head(const Answer& answer) {
   const audit::ProgramRun& run = answer.runs.front();
+  if (answer.bodies == 0) return (run.steps == 0 ? "no step of ODE; " : "") + run.end;
   std::string line = fmt::format(
       "{}, h = {:.4g} s{}, {}, {:.4g} s; {}, {}; {}", answer.stepper, answer.h_s, answer.h_varies ? " at first" : "",
       count(run.steps, "step", "steps") + (answer.worlds > 1 ? " at most" : ""), run.simulated_s,
@@ -71,6 +72,11 @@ std::string error_cell(const Estimate& error) {
   return with_uncertainty(error.value, error.uncertainty);
 }
 
+std::string energy_error(const Answer& answer) {
+  const Estimate& error = answer.energy.error_J;
+  return error.convergence == Convergence::none ? "without a limit" : error_cell(error) + " J";
+}
+
 std::string errors_table(const Answer& answer) {
   TextTable table("rrrrll", {"until t, s", "error, m", "turned, rad", "order", "", "largest"});
   const std::size_t first = answer.error_at.size() - std::min(answer.error_at.size(), most_rows);
@@ -87,6 +93,14 @@ std::string motion_line(const Answer& answer) {
   if (!answer.lost_at_s) return "the same motion to the end";
   return fmt::format("lost at {:.3g} s: the error is more than a tenth of how far bodies go or turn",
                      *answer.lost_at_s);
+}
+
+/// Where the program's own run is no number any more.
+std::string diverged_line(const Answer& answer) {
+  if (!answer.diverged) return "";
+  const audit::Parting& where = *answer.diverged;
+  return fmt::format("{} is no finite number from step {} on, t = {:.4g} s: what is told is of the time before",
+                     body_name(answer, where.body), where.step, where.t_s);
 }
 
 std::string verdict_line(const Answer& answer) {
@@ -125,28 +139,33 @@ const audit::Tried* cheapest(const Answer& answer) {
   for (const audit::Tried& one : answer.tried) {
     const Estimate& error = one.distance_m[answer.tried_at];
     const bool keeps = error.value <= 1.1 * own && error.convergence != Convergence::none;
-    if (keeps && one.cost < (best != nullptr ? best->cost : 0.95)) best = &one;
+    if (keeps && one.work < (best != nullptr ? best->work : 0.95)) best = &one;
   }
   return best;
 }
 
-/// The best of what was tried, beside the program's own.
+/// The best of what was tried, and all that the user asked for, beside the program's own.
 std::string tried_line(const Answer& answer) {
   std::vector<const audit::Tried*> order;
   for (const audit::Tried& one : answer.tried) {
-    if (!std::isnan(one.distance_m[answer.tried_at].value)) order.push_back(&one);
+    if (one.asked || !std::isnan(one.distance_m[answer.tried_at].value)) order.push_back(&one);
   }
   const auto error = [&](const audit::Tried* one) { return one->distance_m[answer.tried_at].value; };
-  std::ranges::stable_sort(order, {}, error);
+  const auto ended = [&](const audit::Tried* one) { return std::isnan(error(one)); };
+  std::ranges::stable_sort(order, [&](const audit::Tried* a, const audit::Tried* b) {
+    return ended(a) || ended(b) ? ended(a) < ended(b) : error(a) < error(b);
+  });
   std::vector<std::string> words;
-  for (std::size_t i = 0; i < std::min(order.size(), most_tried); ++i) {
-    words.push_back(fmt::format("{}: {:.3g} m", order[i]->set, error(order[i])));
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    if (i >= most_tried && !order[i]->asked) continue;
+    words.push_back(order[i]->set +
+                    (ended(order[i]) ? ": has ended before" : fmt::format(": {:.3g} m", error(order[i]))));
   }
   if (words.empty()) return "";
   std::string text = fmt::format("until {:.3g} s as it is: {:.3g} m, {}", answer.steps_for_t_s,
                                  answer.error_at[answer.tried_at].distance_m.value, fmt::join(words, ", "));
   if (const audit::Tried* one = cheapest(answer)) {
-    text += fmt::format("; {} keeps it at {:.2g} of the time", one->set, one->cost);
+    text += fmt::format("; {} keeps it at {:.2g} of the solver's work", one->set, one->work);
   }
   return text;
 }
@@ -261,6 +280,7 @@ AuditLines audit_lines(const Answer& answer) {
   line("error", fmt::format("largest distance of a body from where it would be at a step of 0 (steps to h/{}, {} held)",
                             finest, answer.springs_held ? "springs" : "numbers"));
   line("motion", motion_line(answer));
+  line("diverged", diverged_line(answer));
   line("verdict", verdict_line(answer));
   line("step", steps_line(answer));
   if (answer.growth) {
@@ -270,8 +290,8 @@ AuditLines audit_lines(const Answer& answer) {
   }
   line("softness", softness_line(answer));
   line("settings", tried_line(answer));
-  line("energy", fmt::format("{:.4g} J at the start, {:.4g} J at the end, error {} J", answer.energy.begin_J,
-                             answer.energy.end_J, error_cell(answer.energy.error_J)));
+  line("energy", fmt::format("{:.4g} J at the start, {:.4g} J at the end, error {}", answer.energy.begin_J,
+                             answer.energy.end_J, energy_error(answer)));
   line("work", work_line(answer));
   line("joints", joints_line(answer));
   if (answer.contacts > 0) {
@@ -335,7 +355,10 @@ Json tried_json(const Answer& answer) {
       one.update(json_of(tried.distance_m[i]));
       errors.push_back(std::move(one));
     }
-    list.push_back({{"set", tried.set}, {"error_at", std::move(errors)}, {"cpu_ratio", json_number(tried.cost)}});
+    list.push_back({{"set", tried.set},
+                    {"error_at", std::move(errors)},
+                    {"work_ratio", json_number(tried.work)},
+                    {"cpu_ratio", json_number(tried.cpu)}});
   }
   return list;
 }
@@ -369,7 +392,7 @@ Json runs_json(const Answer& answer) {
 
 std::string audit_text(const Answer& answer) {
   std::string text = answer.program + "\n";
-  if (answer.bodies > 0) text += audit_head(answer) + "\n";
+  text += audit_head(answer) + "\n";
   if (answer.parting) {
     const audit::Parting& parting = *answer.parting;
     text += fmt::format("two unchanged runs part at step {}, t = {:.4g} s{}\n", parting.step, parting.t_s,
@@ -411,6 +434,9 @@ std::string audit_json(const Answer& answer) {
                {"reason", answer.reason.empty() ? Json() : Json(answer.reason)}};
   if (answer.parting) {
     json["parting"] = {{"step", answer.parting->step}, {"t", answer.parting->t_s}, {"body", answer.parting->body}};
+  }
+  if (answer.diverged) {
+    json["diverged"] = {{"step", answer.diverged->step}, {"t", answer.diverged->t_s}, {"body", answer.diverged->body}};
   }
   const ErrorUntil* last = answer.error_at.empty() ? nullptr : &answer.error_at.back();
   json["order"] = last != nullptr ? json_of(last->order) : Json();

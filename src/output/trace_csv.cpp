@@ -153,9 +153,10 @@ std::string_view next_line(std::string_view& text) {
 std::string_view next_cell(std::string_view& line, bool& more) {
   const std::size_t comma = line.find(',');
   more = comma != std::string_view::npos;
-  const std::string_view cell = line.substr(0, comma);
+  std::string_view cell = line.substr(0, comma);
   line.remove_prefix(more ? comma + 1 : line.size());
-  return cell;
+  cell.remove_prefix(std::min(cell.find_first_not_of(' '), cell.size()));
+  return cell.substr(0, cell.find_last_not_of(' ') + 1);
 }
 
 }  // namespace
@@ -193,24 +194,54 @@ std::string trace_csv(const Trace& trace) {
 
 Trace trace_of(const CsvColumns& table) { return Unlayout(table).trace(); }
 
+namespace {
+
+std::vector<std::string> parse_header(std::string_view line, const std::string& name) {
+  std::vector<std::string> header;
+  for (bool more = true; more;) {
+    header.emplace_back(next_cell(line, more));
+    const std::string& cell = header.back();
+    if (cell.empty()) throw UserError(fmt::format("{}:1: column {} has no name", name, header.size()));
+    if (std::ranges::count(header, cell) > 1) throw UserError(fmt::format("{}:1: has two columns {}", name, cell));
+  }
+  for (const char other : {';', '\t'}) {
+    if (header.size() > 1 || header.front().find(other) == std::string::npos) continue;
+    throw UserError(
+        fmt::format("{}:1: columns must be parted by commas, not by {}", name, other == ';' ? "';'" : "tabs"));
+  }
+  return header;
+}
+
+template <class Where>
+double parse_cell(std::string_view cell, const Where& where) {
+  double value = 0;
+  const auto [stop, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  const bool whole = stop == cell.data() + cell.size();
+  if (whole && error == std::errc::result_out_of_range) {
+    throw UserError(fmt::format("{}: '{}' is no number that a double can hold", where(), cell));
+  }
+  if (!whole || error != std::errc()) throw UserError(fmt::format("{}: '{}' is no number", where(), cell));
+  return value;
+}
+
+}  // namespace
+
 CsvColumns parse_csv(std::string_view text, const std::string& name) {
   CsvColumns table;
-  bool more = !text.empty();
-  for (std::string_view head = next_line(text); more;) table.header.emplace_back(next_cell(head, more));
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);  // with which some programs begin a file of UTF-8
+  text = text.substr(0, text.find_last_not_of("\r\n") + 1);
+  if (text.empty()) return table;
+  table.header = parse_header(next_line(text), name);
   table.columns.resize(table.header.size());
-
   for (long number = 2; !text.empty(); ++number) {
     std::string_view line = next_line(text);
-    more = true;
+    if (line.empty()) throw UserError(fmt::format("{}:{}: is empty", name, number));
+    bool more = true;
     for (std::size_t i = 0; i < table.columns.size(); ++i) {
       if (!more) throw UserError(fmt::format("{}:{}: has fewer cells than the header", name, number));
       const std::string_view cell = next_cell(line, more);
-      double value = 0;
-      const auto [stop, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-      if (error != std::errc() || stop != cell.data() + cell.size()) {
-        throw UserError(fmt::format("{}:{}: {}: '{}' is no number", name, number, table.header[i], cell));
-      }
-      table.columns[i].push_back(value);
+      const auto where = [&] { return fmt::format("{}:{}: {}", name, number, table.header[i]); };
+      table.columns[i].push_back(parse_cell(cell, where));
     }
     if (more) throw UserError(fmt::format("{}:{}: has more cells than the header", name, number));
   }

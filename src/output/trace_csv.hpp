@@ -26,7 +26,8 @@ struct CsvColumns {
   std::vector<Column> columns;  // one per header cell, all of one length
 };
 
-/// Throws UserError, naming `name` and the line, when a row has another number of cells or a cell is no number.
+/// Throws UserError, naming `name` and the line, when a column has no name or that of another, a row has another number
+/// of cells or a cell is no number. Blanks around cells, a byte order mark and empty lines at the end say nothing.
 CsvColumns parse_csv(std::string_view text, const std::string& name);
 
 /// The columns that a trace has in files, whichever of them are there; what is made of others (energy) and columns that

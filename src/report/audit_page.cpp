@@ -146,12 +146,14 @@ Content bodies(const Answer& answer) {
 }
 
 Content settings(const Answer& answer) {
-  Table table{.name = "settings", .columns = {"setting", "error, m", "±, m", "time"}};
+  Table table{.name = "settings", .columns = {"setting", "error, m", "±, m", "work", "time"}};
   const Estimate& own = answer.error_at[answer.tried_at].distance_m;
-  table.rows.push_back({"as it is", cell(own), uncertainty(own), 1.0});
+  table.rows.push_back({"as it is", cell(own), uncertainty(own), 1.0, 1.0});
   for (const audit::Tried& tried : answer.tried) {
     const Estimate& error = tried.distance_m[answer.tried_at];
-    table.rows.push_back({tried.set, cell(error), uncertainty(error), tried.cost});
+    table.rows.push_back({tried.set, cell(error), uncertainty(error),
+                          std::isnan(tried.work) ? Cell(Missing{"it is not ODE's solver"}) : Cell(tried.work),
+                          tried.cpu});
   }
   return {{{"until", number(time(answer.steps_for_t_s))}}, {std::move(table)}};
 }
@@ -283,6 +285,10 @@ std::string lead(const Answer& answer) {
   const Finding error{"", "m", row.distance_m.value, row.distance_m.uncertainty, ""};
   std::string text = fmt::format("Until {} s {} is at most {} from where it would be at a step of 0.",
                                  number(time(row.t_s)), body_name(answer, row.body), shown(error));
+  if (answer.diverged) {
+    text += fmt::format(" From {} s on {} is no finite number.", number(answer.diverged->t_s),
+                        body_name(answer, answer.diverged->body));
+  }
   if (answer.lost_at_s) text += fmt::format(" From {} s on it is another motion.", number(*answer.lost_at_s));
   return text;
 }
@@ -305,7 +311,7 @@ Page audit_page(const Answer& answer, const AuditPageParts& parts) {
                       {"style", page_layout("style")},
                       {"lead", lead(answer)},
                       {"program", answer.program},
-                      {"about", answer.bodies > 0 ? audit_head(answer) : ""},
+                      {"about", audit_head(answer)},
                       {"lines", std::move(lines)},
                       {"sections", std::move(items)},
                       {"command", parts.command},

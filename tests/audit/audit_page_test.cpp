@@ -45,7 +45,10 @@ Answer some_answer() {
   answer.until_s = 2;
   answer.steps_for_t_s = 1;
   answer.steps_for = {{1e-3, std::nullopt}, {1e-1, 0.001}};
-  answer.tried.push_back({"erp=0.8", {{0.01, 1e-4, Convergence::settled}, {NAN, NAN, Convergence::none}}, 1.1});
+  answer.tried.push_back({.set = "erp=0.8",
+                          .distance_m = {{0.01, 1e-4, Convergence::settled}, {NAN, NAN, Convergence::none}},
+                          .cpu = 1.1,
+                          .work = 1});
   for (int i = 0; i <= 20; ++i) {
     const double t = 0.1 * i;
     answer.error_over_time.push_back({t, {0.006 * t, 0.003 * t, i == 20 ? NAN : 0.0015 * t}, 1e-5 * t});

@@ -26,6 +26,7 @@ dSpaceID space;
 dJointGroupID contacts;
 dBodyID ball;
 dGeomID ball_geom;
+dBodyID lost;  // has no geom, and nothing holds it
 std::string fault;
 long steps = 1000;
 long now = 0;
@@ -99,6 +100,8 @@ void make() {
   dBodySetPosition(ball, 0, 0, 0.3);
   ball_geom = dCreateSphere(space, 0.1);
   dGeomSetBody(ball_geom, ball);
+  if (is("nan-place") || is("nan-start")) lost = dBodyCreate(world);
+  if (is("nan-start")) dBodySetPosition(lost, dReal(0) / dReal(0), 0, 0);
   if (is("named")) odeval_name(ball, "the ball");
 }
 
@@ -116,6 +119,7 @@ void go_wrong() {
   if (is("exit3")) std::exit(3);
   if (is("quick-exit")) ::_exit(4);
   if (is("nan")) dBodyAddForce(ball, dReal(0) / dReal(0), 0, 0);
+  if (is("nan-place")) dBodySetPosition(lost, dReal(0) / dReal(0), 0, 0);
   if (is("hang")) {
     for (;;) ::pause();
   }

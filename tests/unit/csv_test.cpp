@@ -143,6 +143,11 @@ void broken_files_are_refused() {
   CHECK_THROWS(parse_csv("a,b\n1,two\n", "x.csv"), UserError, "x.csv:2: b: 'two' is no number");
   CHECK_THROWS(parse_csv("a,b\n1,\n", "x.csv"), UserError, "x.csv:2: b: '' is no number");
   CHECK_THROWS(parse_csv("a,b\n1,2x\n", "x.csv"), UserError, "'2x' is no number");
+  CHECK_THROWS(parse_csv("a,b,a\n1,2,3\n", "x.csv"), UserError, "x.csv:1: has two columns a");
+  CHECK_THROWS(parse_csv("a,,b\n1,2,3\n", "x.csv"), UserError, "x.csv:1: column 2 has no name");
+  CHECK_THROWS(parse_csv("a;b\n1;2\n", "x.csv"), UserError, "x.csv:1: columns must be parted by commas, not by ';'");
+  CHECK_THROWS(parse_csv("a\n1\n\n2\n", "x.csv"), UserError, "x.csv:3: is empty");
+  CHECK_EQUAL(parse_csv("\xef\xbb\xbfy\n 1 \n\n", "x.csv").header[0], "y");
   CHECK_THROWS(read_csv("no/such.csv"), UserError, "no/such.csv: cannot be read");
   CHECK_THROWS(read_csv("/"), UserError, "cannot be read");
   CHECK_EQUAL(parse_csv("", "x.csv").header.size(), 0u);

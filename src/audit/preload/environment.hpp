@@ -27,11 +27,12 @@ struct Try {
   double least;
   double most;
   const char* words;  // with commas; empty: a number
+  bool whole = false;
 };
 inline constexpr std::array tries{
     Try{"erp", 0, 1, ""},
     Try{"cfm", 0, 1e9, ""},
-    Try{"iterations", 1, 1e6, ""},
+    Try{"iterations", 1, 1e6, "", true},
     Try{"w", 1e-3, 2, ""},
     Try{"max_correcting_vel", 0, 1e9, ""},
     Try{"surface_layer", 0, 1e9, ""},

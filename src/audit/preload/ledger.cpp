@@ -100,6 +100,13 @@ struct Ledger::Acting {
   double work(dReal h) const {
     return work_on(first, forces->f1, forces->t1, h) + work_on(second, forces->f2, forces->t2, h);
   }
+  /// Where they stand among the world's bodies.
+  std::array<std::size_t, 2> moving(const World& world) const {
+    const auto place = [&](const Body* body) {
+      return body == nullptr || !body->moves ? not_moving : static_cast<std::size_t>(body - world.bodies.data());
+    };
+    return {place(first), place(second)};
+  }
   std::array<std::uint32_t, 2> numbers() const {
     return {first != nullptr ? first->number + 1 : 0, second != nullptr ? second->number + 1 : 0};
   }
@@ -135,6 +142,7 @@ Ledger::Step::~Step() {
 }
 
 void Ledger::Step::taken(dReal h) {
+  ledger_.rows_.begin(world_.bodies.size());
   for (Body& body : world_.bodies) take_body(world_, body, h);
   for (Joint& joint : world_.joints) ledger_.take(world_, joint, h);
   for (Touch& touch : world_.touches) ledger_.take(world_, touch, h);
@@ -178,6 +186,7 @@ void Ledger::take(World& world, Joint& joint, dReal h) {
   if (acting.id == nullptr) return;
   PartSample* const part = part_of(joint);
   const double work = acting.work(h);
+  std::uint32_t rows = rows_of(joint.type);
   double by_motors = joint.type == dJointTypeAMotor || joint.type == dJointTypeLMotor ? work : 0;
   for (const Axis& row : joint.axes) {
     const auto parameter = [&](int which) { return row.parameter(joint.id, row.group * dParamGroup + which); };
@@ -185,6 +194,7 @@ void Ledger::take(World& world, Joint& joint, dReal h) {
     const double low = parameter(dParamLoStop);
     const double high = parameter(dParamHiStop);
     if (!(most > 0) && low == -dInfinity && high == dInfinity) continue;
+    if (most > 0) ++rows;
     dVector3 axis{};
     row.axis(joint.id, axis);
     const double force = acting.force_along(row, joint.id, axis);
@@ -195,6 +205,8 @@ void Ledger::take(World& world, Joint& joint, dReal h) {
     const double place = row.place != nullptr ? row.place(joint.id) : 0;
     if (row.place != nullptr && (place <= low || place >= high)) ++part->steps_at_stop;
   }
+  const auto [first, second] = acting.moving(world);
+  rows_.add(first, second, rows);
   world.work.motors += by_motors;
   world.work.joints += work - by_motors;
   if (part == nullptr) return;
@@ -234,6 +246,8 @@ void Ledger::take(World& world, Touch& touch, dReal h) {
   std::array<std::size_t, 2> hints{};
   const Acting acting(world, touch.id, hints);
   if (acting.id == nullptr) return;
+  const auto [first, second] = acting.moving(world);
+  rows_.add(first, second, rows_of(touch.contact));
   const double work = acting.work(h);
   world.work.contacts += work;
   const auto numbers = acting.numbers();

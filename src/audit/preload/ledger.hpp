@@ -10,6 +10,7 @@
 
 #include "audit/preload/record_format.hpp"
 #include "audit/preload/rows.hpp"
+#include "audit/preload/solver_rows.hpp"
 #include "audit/preload/worlds.hpp"
 
 namespace odeval::audit {
@@ -40,6 +41,9 @@ class Ledger {
   void draw(World& world);
   void draw_space(dSpaceID space);
 
+  /// Of the step that was taken.
+  void add_work(Head& head) { rows_.add_to(head); }
+
   /// Whether some joint, pair or geom had no room.
   bool overflowed() const { return overflowed_; }
 
@@ -61,6 +65,7 @@ class Ledger {
 
   Rows<PartSample> parts_;
   Rows<ShapeSample> shapes_;
+  SolverRows rows_;
   std::unordered_map<std::uint64_t, Pair> pairs_;
   std::uint64_t last_key_ = 0;
   Pair* last_pair_ = nullptr;

@@ -65,11 +65,13 @@ void Record::name(const char* kind, std::uint32_t number, const char* name) {
   if (!whole) remark(no_room);
 }
 
+bool Record::is_full() const {
+  return most_bytes_ > 0 && static_cast<double>(head_bytes + 2 * window_bytes + head_->behind) > most_bytes_;
+}
+
 bool Record::empty_window() {
   const std::size_t begin = head_bytes + window_bytes + head_->behind;
-  if (most_bytes_ > 0 && static_cast<double>(begin + window_bytes) > most_bytes_) return false;
-  if (!within_limit(begin + window_bytes)) return false;
-  const int descriptor = ::open(file_.c_str(), O_WRONLY | O_CLOEXEC);
+  const int descriptor = within_limit(begin + window_bytes) ? ::open(file_.c_str(), O_WRONLY | O_CLOEXEC) : -1;
   if (descriptor < 0) return false;
   const ssize_t got = ::pwrite(descriptor, window_, window_bytes, static_cast<off_t>(begin));
   const bool whole = ::close(descriptor) == 0 && got == static_cast<ssize_t>(window_bytes);
@@ -82,12 +84,15 @@ bool Record::empty_window() {
 }
 
 void Record::add(const void* frame, std::size_t bytes) {
-  if (head() == nullptr || (head_->remarks & no_room) != 0) return;
+  if (head() == nullptr || (head_->remarks & (no_room | record_full)) != 0) return;
   const char* rest = static_cast<const char*>(frame);
   for (std::size_t left = bytes; left > 0;) {
     const std::size_t in_window = written_ - head_->behind;
-    if (in_window == window_bytes && !empty_window()) return remark(no_room);
-    const std::size_t at = in_window % window_bytes;
+    if (in_window == window_bytes) {
+      if (is_full()) return remark(record_full);
+      if (!empty_window()) return remark(no_room);
+    }
+    const std::size_t at = in_window % window_bytes;  // 0 where it was full
     const std::size_t part = std::min(left, window_bytes - at);
     std::memcpy(window_ + at, rest, part);
     rest += part;

@@ -8,8 +8,8 @@
 
 namespace odeval::audit {
 
-/// No descriptor stays open, since a program may close all there are; and the disk has room for what is mapped before it
-/// is, since writing through a mapping to a full disk would end the program.
+/// No descriptor stays open, since a program may close all there are; and the disk has room for what is mapped before
+/// it is, since writing through a mapping to a full disk would end the program.
 class Record {
  public:
   Record(std::string file, double most_bytes) : file_(std::move(file)), most_bytes_(most_bytes) {}
@@ -21,7 +21,7 @@ class Record {
   Head* head();
 
   void remark(Remark remark);
-  /// Adds a frame, or remarks that there is no room.
+  /// Adds a frame, or remarks that there is no room, or that the record is as long as it may be.
   void add(const void* frame, std::size_t bytes);
 
   /// `kind` is "body" or "joint".
@@ -36,6 +36,8 @@ class Record {
  private:
   enum class State { not_begun, begun, none };
   void begin();
+  /// Whether the record may not be longer than with what is in the window.
+  bool is_full() const;
   /// Makes room in the window, which is full; false when there is none behind it.
   bool empty_window();
 

@@ -24,6 +24,7 @@ enum Remark : std::uint32_t {
   contacts_stayed = 1 << 5,    // over some steps, since what made them could not be called again
   steps_in_vain = 1 << 6,      // dWorldStep returned 0
   not_accurately = 1 << 8,  // the accurate step can not take it, and last_words says why: the program was ended there
+  record_full = 1 << 9,     // as much as it may be: the record is of the program's beginning
   too_many_parts = 1 << 7,  // joints, pairs of bodies or geoms, so that some are not told of
 };
 
@@ -39,6 +40,10 @@ struct Head {
   double w;
   std::uint32_t iterations;
   std::uint32_t nothing;
+  // Of Answer::solver, where there is a ledger:
+  double direct;
+  double iteration;
+  double besides;
   std::uint64_t messages;   // of ODE
   double gravity[3];        // m/s², of the first world that steps, before it does
   char first_message[256];  // of ODE; empty: none

@@ -241,7 +241,10 @@ int Session::whole(World& world, dReal h, Stepper stepper) {
   ode_s_ = steady_s() - begun_s;
   ++world.steps;
   world.t += h;
-  if (step) step->taken(h);
+  if (step) {
+    step->taken(h);
+    ledger_->add_work(*record_.head());
+  }
   if (ledger_ && ledger_->overflowed()) record_.remark(too_many_parts);
   return result;
 }

@@ -1,0 +1,172 @@
+// What one run of the program was, and where two of them part.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <map>
+
+#include "audit/judge.hpp"
+#include "audit/recording.hpp"
+#include "audit/thinned.hpp"
+
+namespace odeval::audit {
+namespace {
+
+Work work_of(const Frame& frame) {
+  return {frame.work_added, frame.work_motors, frame.work_joints, frame.work_contacts, frame.work_damping};
+}
+
+/// Of ODE's kinds of joints, in their order.
+const char* joint_kind(std::uint32_t type) {
+  constexpr std::array kinds{"none",   "ball",  "hinge",  "slider",      "contact",      "universal",
+                             "hinge2", "fixed", "null",   "amotor",      "lmotor",       "plane2d",
+                             "pr",     "pu",    "piston", "double ball", "double hinge", "transmission"};
+  return type < kinds.size() ? kinds[type] : "joint";
+}
+constexpr std::uint32_t contact_type = 4;
+
+JointSummary summary_of(const PartSample& part) {
+  return {.kind = joint_kind(part.type),
+          .number = part.type == contact_type ? 0 : part.number + 1,
+          .bodies = {part.bodies[0], part.bodies[1]},
+          .steps = part.steps,
+          .largest_m = part.largest_m,
+          .largest_t_s = part.largest_t,
+          .force_N = part.force,
+          .torque_Nm = part.torque,
+          .work_J = part.work,
+          .motor_work_J = part.motor_work,
+          .at_limit = part.steps_at_limit,
+          .at_stop = part.steps_at_stop,
+          .friction_share = part.friction_share,
+          .sliding = part.steps_sliding,
+          .rough = part.steps_rough};
+}
+
+/// Joints by number, then contacts, the deepest first.
+std::vector<JointSummary> read_summaries(const std::filesystem::path& record) {
+  std::vector<JointSummary> all;
+  for (const PartSample& part : read_rows<PartSample>(record.string() + parts_ending)) all.push_back(summary_of(part));
+  std::ranges::stable_sort(all, [](const JointSummary& a, const JointSummary& b) {
+    if ((a.number == 0) != (b.number == 0)) return a.number != 0;
+    return a.number != 0 ? a.number < b.number : a.largest_m > b.largest_m;
+  });
+  return all;
+}
+
+/// How much there is of what, in all worlds together.
+class Counts {
+ public:
+  /// Raises the most at a time to what there is now.
+  void add(const Frame& frame, Answer& answer) {
+    worlds_[frame.world] = {frame.bodies, frame.joints, frame.contacts};
+    std::array<std::uint32_t, 3> sum{};
+    for (const auto& [world, counts] : worlds_) {
+      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += counts[i];
+    }
+    answer.worlds = static_cast<std::uint32_t>(worlds_.size());
+    answer.bodies = std::max(answer.bodies, sum[0]);
+    answer.joints = std::max(answer.joints, sum[1]);
+    answer.contacts = std::max(answer.contacts, sum[2]);
+  }
+
+ private:
+  std::map<std::uint32_t, std::array<std::uint32_t, 3>> worlds_;
+};
+
+/// Of all worlds, at the time of the frame, and its gap.
+EnergyPoint sum_of(const std::map<std::uint32_t, EnergyPoint>& worlds, const Frame& frame) {
+  EnergyPoint sum{.t_s = frame.t, .gap_m = frame.gap, .depth_m = frame.depth};
+  for (const auto& [number, world] : worlds) {
+    sum.kinetic_J += world.kinetic_J;
+    sum.potential_J += world.potential_J;
+    sum.work.added += world.work.added;
+    sum.work.motors += world.work.motors;
+    sum.work.joints += world.work.joints;
+    sum.work.contacts += world.work.contacts;
+    sum.work.damping += world.work.damping;
+  }
+  return sum;
+}
+
+void read_names(const std::string& file, Answer& answer) {
+  std::ifstream in(file);
+  std::string kind;
+  std::uint32_t number = 0;
+  for (std::string name; in >> kind >> number && std::getline(in >> std::ws, name);) {
+    (kind == "body" ? answer.body_names : answer.joint_names)[number + 1] = name;
+  }
+}
+
+}  // namespace
+
+std::optional<Parting> parting(const std::filesystem::path& one, const std::filesystem::path& other) {
+  Recording a(one);
+  Recording b(other);
+  for (std::uint64_t step = 0;; ++step) {
+    const auto ours = a.next();
+    const auto theirs = b.next();
+    if (!ours && !theirs) return std::nullopt;
+    if (!ours || !theirs) return Parting{step, (ours ? ours : theirs)->frame.t, 0};
+    if (!same_bodies(*ours, *theirs)) return Parting{ours->frame.step, ours->frame.t, 0};
+    for (std::size_t i = 0; i < ours->bodies.size(); ++i) {
+      if (std::memcmp(&ours->bodies[i], &theirs->bodies[i], sizeof(BodySample)) == 0) continue;
+      return Parting{ours->frame.step, ours->frame.t, ours->bodies[i].body + 1};
+    }
+  }
+}
+
+void describe(const std::filesystem::path& unchanged, Answer& answer) {
+  Recording run(unchanged);
+  read_names(unchanged.string() + names_ending, answer);
+  answer.joint_summaries = read_summaries(unchanged);
+  if (const Head* head = run.head()) {
+    answer.messages = head->messages;
+    answer.first_message = head->first_message;
+    answer.solver = {head->direct, head->iteration, head->besides, head->iterations};
+  }
+  bool quick = false;
+  bool plain = false;
+  Counts counts;
+  std::map<std::uint32_t, EnergyPoint> worlds;  // as they were last
+  Thinned<EnergyPoint> curve;
+  for (auto moment = run.next(); moment; moment = run.next()) {
+    const Frame& frame = moment->frame;
+    if (const std::uint32_t body = not_finite(*moment)) {
+      answer.diverged = Parting{frame.step, frame.t, body};
+      break;
+    }
+    EnergyPoint& world = worlds[frame.world];
+    world = {frame.t, frame.kinetic, frame.potential, work_of(frame), frame.gap, frame.depth};
+    curve.add(sum_of(worlds, frame));
+    if (frame.step == 0) {
+      answer.energy.begin_J += world.kinetic_J + world.potential_J;
+      continue;
+    }
+    if (answer.messages > 0 && answer.first_message_t_s == 0 && frame.messages > 0) answer.first_message_t_s = frame.t;
+    if (answer.h_s == 0) answer.h_s = frame.h;
+    answer.h_varies = answer.h_varies || frame.h != answer.h_s;
+    (frame.quick != 0 ? quick : plain) = true;
+    counts.add(frame, answer);
+    answer.depth_m = std::max(answer.depth_m, frame.depth);
+    answer.ode_s += frame.ode_s;
+    if (frame.gap > answer.gap.largest_m) answer.gap = {frame.gap, frame.t, frame.gap_joint + 1};
+  }
+  const EnergyPoint end = sum_of(worlds, {});
+  answer.energy.end_J = end.kinetic_J + end.potential_J;
+  answer.work = end.work;
+  answer.energy_over_time = curve.points();
+  answer.stepper = quick && plain ? "dWorldStep and dWorldQuickStep" : quick ? "dWorldQuickStep" : "dWorldStep";
+}
+
+void each_step(const std::filesystem::path& record, const std::function<void(const StepRow&)>& take) {
+  Recording run(record);
+  for (auto moment = run.next(); moment; moment = run.next()) {
+    const Frame& frame = moment->frame;
+    take({frame.world + 1, frame.t, frame.kinetic, frame.potential, work_of(frame), frame.gap, frame.contacts,
+          frame.depth, frame.messages});
+  }
+}
+
+}  // namespace odeval::audit
