@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "engines/ode_rk4/bodies.hpp"
 #include "engines/ode_rk4/refuse.hpp"
@@ -193,7 +194,7 @@ void Flight::fly(double h) {
 /// Holds what rests at `here_` and can stick there.
 void Flight::find_footholds(double after, bool struck) {
   if (slipped_ || crowded_ > 0) footholds_.reset();
-  if (footholds_ && !footholds_->fit(here_)) footholds_.reset();
+  if (footholds_ && (!footholds_->fit(here_) || disturbed())) footholds_.reset();
   const bool found = !footholds_;
   if (found) {
     const auto slides = [](const Contact& contact) { return contact.friction <= 0 && !contact.is_stop; };
@@ -208,7 +209,7 @@ void Flight::find_footholds(double after, bool struck) {
   }
   State held = here_;
   if (found) mover().project(held);  // what leaves slowly rests from now on, not by and by
-  if (mover().has_motors()) mover().drive(held, *forces_, after, {});
+  if (mover().has_motors()) drive(held, after);
   if (!footholds_->bear(held, *forces_, after, contacts_)) {
     footholds_.reset();
   } else if (found) {
@@ -217,6 +218,15 @@ void Flight::find_footholds(double after, bool struck) {
     std::erase_if(resting_, leaves);
     here_ = held;
   }
+}
+
+/// Does what came to rest since, and is not held, act on what is?
+bool Flight::disturbed() const {
+  const std::vector<char> pushed = pushed_late();
+  return std::ranges::any_of(resting_, [&](const Contact& contact) {
+    const auto is = [&](std::size_t body) { return body != world_body && pushed[body] != 0; };
+    return held_fast(contact) && (is(contact.a) || is(contact.b));
+  });
 }
 
 /// Did what is held slip, or lift off, on the way from `here_` to `there_`, with the contacts there at hand? Then
@@ -254,15 +264,10 @@ void Flight::move_by_motors(double after, double h, State& to) {
   std::vector<std::size_t> broken;
   std::vector<double> shares;
   const double end = after + h;
-  // What contacts do at the end of the step disturbs motors by more than is gained by looking for the moment.
-  const bool disturbed = std::ranges::any_of(resting_, [&](const Contact& contact) {
-    return !held_fast(contact) && (motion.jointed(contact.a) || motion.jointed(contact.b));
-  });
   for (int change = 0;; ++change) {
     const double longest = end - after;
-    motion.drive(from, *forces_, after, broken, disturbed ? longest : 0);
+    drive(from, after, broken);
     go(from, after, longest, to);
-    if (disturbed) return;
     motion.beyond(to, *forces_, end, shares);
     const auto most = [&] { return *std::ranges::max_element(shares); };
     if (most() <= 0 || change == most_changes) return;
@@ -294,13 +299,42 @@ void Flight::move_by_motors(double after, double h, State& to) {
   }
 }
 
+void Flight::drive(const State& from, double after, std::span<const std::size_t> broken) {
+  mover().put_off(pushed_late());
+  mover().drive(from, *forces_, after, broken);
+}
+
+/// Bodies that what rests acts on at the end of a step, directly or through joints and others that rest.
+std::vector<char> Flight::pushed_late() const {
+  const Mechanism& mechanism = motion_.mechanism();
+  std::vector<char> pushed(mechanism.bodies.size(), 0);
+  const auto moves = [&](std::size_t body) { return body != world_body && mechanism.bodies[body].inverse_mass > 0; };
+  for (const Contact& contact : resting_) {
+    if (held_fast(contact)) continue;
+    for (const std::size_t body : {contact.a, contact.b}) {
+      if (moves(body)) pushed[body] = 1;
+    }
+  }
+  bool more = std::ranges::find(pushed, 1) != pushed.end();
+  const auto pass_on = [&](const auto& pair) {
+    if (!moves(pair.a) || !moves(pair.b) || pushed[pair.a] == pushed[pair.b]) return;
+    pushed[pair.a] = pushed[pair.b] = 1;
+    more = true;
+  };
+  while (std::exchange(more, false)) {
+    for (const Joint& joint : mechanism.joints) pass_on(joint);
+    for (const Contact& contact : resting_) pass_on(contact);
+  }
+  return pushed;
+}
+
 void Flight::go(State& from, double after, double h, State& to) {
   Motion& motion = mover();
   forces_->start = after;
   JointErrors errors = motion.step(from, *forces_, h, to, motion.has_motors());
   if (errors.before.size > mendable) {
     settle(from, options_.start_gap);
-    if (motion.has_motors()) motion.drive(from, *forces_, after, {});
+    if (motion.has_motors()) drive(from, after);
     errors = motion.step(from, *forces_, h, to, motion.has_motors());
   }
   if (!finite(to)) refuse("the motion left the finite numbers; take a smaller step");
@@ -452,8 +486,9 @@ void Flight::impact(double t, bool at_once, bool last) {
   // What rests was let go since `here_`: it stops first, and gives nothing back of that.
   std::vector<Contact> resting = contacts_;
   std::erase_if(resting, [this](const Contact& contact) { return !rests(contact, there_); });
-  if (!resting.empty()) {
-    const Impact held(motion_, resting, there_);
+  const std::vector<LateMotor> motors = mover().late(let_go_);
+  if (!resting.empty() || !motors.empty()) {
+    const Impact held(motion_, resting, there_, motors);
     bounce_elastic(motion_, held, resting, let_go_, there_);
     held.stop(there_);
   }
@@ -571,9 +606,17 @@ void Flight::settle_crowd(State& state, double h) {
   // Rest takes no deeper overlaps.
   crowded_ = bounced || deepest_of(contacts_) > options_.start_gap ? calm_steps : crowded_ - 1;
   recall();
-  const Impact impact(motion_, contacts_, state);
+  const Impact impact(motion_, contacts_, state, motion_.late(h));
   const State free = state;
-  const Eigen::VectorXd impulses = impact.strike(state, options_.impact_order, options_.rest_speed);
+  Eigen::VectorXd impulses = impact.strike(state, options_.impact_order, options_.rest_speed);
+  double work = 0;
+  const auto push_on = [&] {  // motors, against what rests then
+    const Eigen::VectorXd pushes = impact.stop(state);
+    impulses += pushes;
+    work = impact.work(pushes, here_, state);
+  };
+  if (impact.has_motors()) push_on();
+  impact.note_motors(impulses);
   for (std::size_t i = 0; i < contacts_.size(); ++i) impact.note(impulses, i, contacts_[i]);
   resting_.clear();
   const std::vector<Twist> by = follow(free, state, h);
@@ -584,15 +627,15 @@ void Flight::settle_crowd(State& state, double h) {
   const std::vector<Twist> way = impact.way_out(0, by);
   const State struck = state;
   move_out(motion_, free, way, HUGE_VAL, state);  // what that costs, the bounce pays, then what was taken before
-  const double gain = gained(free, state);
+  const double gain = gained(free, state) - work;
   if (gain > energy_rounding * kinetic_energy(motion_.mechanism(), free)) {
     state = free;
     motion_.project(state);
-    impact.stop(state);
+    work = std::min(work, impact.work(impact.stop(state), here_, state));
     state = slowed(state, struck, gain);
-    move_out(motion_, free, way, taken_, state);
+    move_out(motion_, free, way, taken_ + work, state);
   }
-  taken_ -= gained(free, state);
+  taken_ -= gained(free, state) - work;
 }
 
 /// Energy that comes from nowhere from one state to another, J: of motion, less the work of forces.
@@ -648,25 +691,31 @@ void Flight::recall() {
   }
 }
 
-/// Of the impulses at the contacts at hand, which stood for forces over a time h, and of those of stops.
+/// Of the impulses at the contacts at hand, which stood for forces over a time h, and of those of stops and motors.
 void Flight::tell_joints(const Impact& impact, const Eigen::VectorXd& impulses, const State& state, double h) {
   mover().add_forces(h);
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     Contact contact = contacts_[i];
     impact.note(impulses, i, contact);
-    const auto on = [&](std::size_t body, double sign) {
-      const Vector3d at = body == world_body ? Vector3d(Vector3d::Zero()) : state[body].pose.position;
-      const Vector3d force = sign / h * contact.push;
-      return Wrench{force, (contact.point - at).cross(force) + sign / h * contact.turn};
-    };
-    mover().add_force(contact.geoms.first, on(contact.a, 1), on(contact.b, -1));  // a stop's joint
+    tell_joint(contact, state, h);
   }
+  for (const Contact& motor : impact.note_motors(impulses)) tell_joint(motor, state, h);
+}
+
+void Flight::tell_joint(const Contact& contact, const State& state, double h) {
+  const auto on = [&](std::size_t body, double sign) {
+    const Vector3d at = body == world_body ? Vector3d(Vector3d::Zero()) : state[body].pose.position;
+    const Vector3d force = sign / h * contact.push;
+    return Wrench{force, (contact.point - at).cross(force) + sign / h * contact.turn};
+  };
+  mover().add_force(contact.geoms.first, on(contact.a, 1), on(contact.b, -1));  // a stop's or a motor's joint
 }
 
 /// At the end of a step, with its contacts at hand: what rests stops and is pushed out of what it rests on. Returns
 /// true if something touches that does not rest.
 bool Flight::hold(State& state, double h) {
   Motion& motion = mover();
+  std::vector<LateMotor> motors = motion.late(h);
   std::vector<Contact> fast = contacts_;
   std::erase_if(fast, [this](const Contact& contact) { return !held_fast(contact); });
   bool touched = false;
@@ -676,37 +725,29 @@ bool Flight::hold(State& state, double h) {
     std::erase_if(contacts_, [&](const Contact& contact) { return !rests(contact, state) || held_fast(contact); });
   };
   at_rest();
-  // The matrix of this pose, for the impulses; motors that hold go on holding while these act, if they can.
-  bool driven = h > 0 && motion.has_motors();
-  if (!contacts_.empty()) motion.project(state, driven);
+  // The matrix of this pose, for the impulses.
+  if (!contacts_.empty() || !motors.empty()) motion.project(state);
   std::vector<Contact> rest = contacts_;
-  for (int push = 0; push < most_pushes && !contacts_.empty(); ++push) {
+  for (int push = 0; push < most_pushes && (!contacts_.empty() || !motors.empty()); ++push) {
     if (push > 0 && deepest_of(contacts_) <= 2 * rest_depth) break;
     const bool first = push == 0 && h > 0;
     if (first) recall();
-    std::optional<Impact> impact(std::in_place, motion, contacts_, state);
-    const bool rubs = std::ranges::any_of(contacts_, &Contact::rubs);
+    const bool follows = first && (!motors.empty() || std::ranges::any_of(contacts_, &Contact::rubs));
+    const Impact impact(motion, contacts_, state, std::exchange(motors, {}));
     const State free = state;
-    bounce_elastic(motion, *impact, contacts_, h, state);
-    Eigen::VectorXd impulses = impact->stop(state);
-    const auto closes = [&](const Contact& contact) { return normal_speed(contact, state) < -options_.rest_speed; };
-    if (driven && (!motion.bears(h) || std::ranges::any_of(contacts_, closes))) {
-      state = free;
-      motion.project(state);
-      impact.emplace(motion, contacts_, state);
-      impulses = impact->stop(state);
-    }
-    driven = false;
-    if (first) tell_joints(*impact, impulses, state, h);
+    bounce_elastic(motion, impact, contacts_, h, state);
+    const Eigen::VectorXd impulses = impact.stop(state);
+    const double work = impact.work(impulses, here_, state);
+    if (first) tell_joints(impact, impulses, state, h);
     std::vector<Twist> by;
-    if (first && rubs) {
-      for (std::size_t i = 0; i < rest.size(); ++i) impact->note(impulses, i, rest[i]);
-      sticks_ = impact->sticks_at(impulses, here_, state, h);
+    if (follows) {
+      for (std::size_t i = 0; i < rest.size(); ++i) impact.note(impulses, i, rest[i]);
+      sticks_ = impact.sticks_at(impulses, here_, state, h);
       by = follow(free, state, h);
     }
-    const auto way = impact->way_out(rest_depth, by, rubs && first ? impulses : Eigen::VectorXd());
-    const bool moved = move_out(motion, free, way, taken_, state);
-    taken_ -= gained(free, state);
+    const auto way = impact.way_out(rest_depth, by, follows ? impulses : Eigen::VectorXd());
+    const bool moved = move_out(motion, free, way, taken_ + work, state);
+    taken_ -= gained(free, state) - work;
     if (!moved) break;  // between jaws of joints, or at the end of what can be lifted
     look(state);
     at_rest();

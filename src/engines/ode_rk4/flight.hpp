@@ -47,6 +47,9 @@ class Flight {
   Motion& mover() { return footholds_ ? footholds_->motion() : motion_; }
   void move(double after, double h, State& to);
   void move_by_motors(double after, double h, State& to);
+  void drive(const State& from, double after, std::span<const std::size_t> broken = {});
+  std::vector<char> pushed_late() const;
+  bool disturbed() const;
   void go(State& from, double after, double h, State& to);
   void settle(State& state, double most);
   [[noreturn]] void refuse_apart(const JointError& error, const std::string& when) const;
@@ -64,6 +67,7 @@ class Flight {
   void tell(const std::function<void(const Touch&)>& observer, const Touch& touch) const;
   bool hold(State& state, double h);
   void tell_joints(const Impact& impact, const Eigen::VectorXd& impulses, const State& state, double h);
+  void tell_joint(const Contact& contact, const State& state, double h);
   std::vector<Twist> follow(const State& free, const State& held, double h);
   void settle_crowd(State& state, double h);
   State unforced(Motion& motion, const State& state, double h);

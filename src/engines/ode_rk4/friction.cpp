@@ -38,15 +38,15 @@ bool done(double left, double last, double scale) {
 }
 
 /// The equations of Alart and Curnier (Comput. Methods Appl. Mech. Eng. 92, 1991), solved by Newton's method on
-/// the pieces of which they are smooth: a contact is open, sticks or slides.
+/// the pieces of which they are smooth: a contact is open, sticks or slides, a motor has its speed or is at its limit.
 class Newton {
  public:
   Newton(const MatrixXd& a, const Rubbing& rubbing, double& work) : a_(a), rubbing_(rubbing), work_(work) {}
 
   /// From p; nothing where it fails.
   std::optional<VectorXd> solve(const VectorXd& v, VectorXd p) {
-    const VectorXd stiff = a_.diagonal().cwiseMax(1e-300).cwiseInverse();
-    const double scale = std::max(p.cwiseAbs().maxCoeff(), v.cwiseProduct(stiff).cwiseAbs().maxCoeff());
+    double scale = p.cwiseAbs().maxCoeff();
+    for (Index i = 0; i < v.size(); ++i) scale = std::max(scale, stiffness(i) * std::fabs(v[i]));
     double last = INFINITY;
     for (int round = 0; round < most_newtons; ++round) {
       choose(v, p);
@@ -56,7 +56,7 @@ class Newton {
       const auto k = static_cast<Index>(rows_.size());
       work_ += static_cast<double>(k * k * k);
       if (work_ > most_work) return std::nullopt;
-      for (Index i = 0; i < p.size(); ++i) p[i] = open_[static_cast<std::size_t>(i)] != 0 ? 0 : p[i];
+      for (Index i = 0; i < p.size(); ++i) p[i] = open_[static_cast<std::size_t>(i)] != 0 ? limit_[i] : p[i];
       assemble(v, p);
       if (k > 0) p(rows_) -= matrix_.partialPivLu().solve(right_);
       if (!p.allFinite()) return std::nullopt;
@@ -73,13 +73,13 @@ class Newton {
     return steepest > 0 ? 1 / steepest : 0;
   }
 
-  /// Which contacts are open, and how far impulses are from what they should be.
+  /// Which contacts are open and which motors at their limit, and how far impulses are from what they should be.
   void choose(const VectorXd& v, const VectorXd& p) {
     const VectorXd u = v + a_ * p;
     open_.assign(static_cast<std::size_t>(p.size()), 0);
     rows_.clear();
     slides_.assign(rubbing_.contact.size(), 0);
-    residual_ = VectorXd::Zero(p.size());
+    residual_ = limit_ = VectorXd::Zero(p.size());
     for (Index i = 0; i < normals(); ++i) {
       const double pushes = p[i] - stiffness(i) * u[i];
       open_[static_cast<std::size_t>(i)] = pushes > 0 && a_(i, i) > 0 ? 0 : 1;
@@ -97,6 +97,15 @@ class Newton {
         open_[static_cast<std::size_t>(i)] = open ? 1 : 0;
         if (!open) rows_.push_back(i);
       }
+    }
+    for (std::size_t k = 0; k < rubbing_.limits.size(); ++k) {
+      const Index i = normals() + rubbing_.motors_at() + static_cast<Index>(k);
+      const double wanted = p[i] - stiffness(i) * u[i];
+      const bool moves = stiffness(i) > 0;
+      limit_[i] = moves ? std::clamp(wanted, rubbing_.limits[k].least, rubbing_.limits[k].most) : 0;
+      residual_[i] = p[i] - limit_[i];
+      open_[static_cast<std::size_t>(i)] = moves && limit_[i] == wanted ? 0 : 1;
+      if (open_[static_cast<std::size_t>(i)] == 0) rows_.push_back(i);
     }
   }
 
@@ -131,7 +140,7 @@ class Newton {
   double& work_;
   std::vector<char> open_, slides_;
   std::vector<Index> rows_;
-  VectorXd residual_, right_;
+  VectorXd residual_, right_, limit_;  // that of those that are at one: 0 of an open contact
   MatrixXd matrix_;
 };
 
@@ -141,8 +150,8 @@ class AtOnce {
  public:
   AtOnce(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing) : a_(a), v_(v), rubbing_(rubbing) {}
 
-  /// From p; nothing where it fails.
-  std::optional<VectorXd> solve(VectorXd p) {
+  /// From p, on top of which shares are even; looked for near `guess`. Nothing where it fails.
+  std::optional<VectorXd> solve(VectorXd p, VectorXd guess) {
     for (const double how : {softness, least_softness}) {
       const VectorXd soft = how * a_.diagonal();
       MatrixXd softened = a_;
@@ -150,10 +159,10 @@ class AtOnce {
       Newton newton(softened, rubbing_, work_);
       double last = INFINITY;
       for (int round = 0; round < most_softs; ++round) {
-        const auto now = newton.solve(v_ - soft.cwiseProduct(p), p);
+        const auto now = newton.solve(v_ - soft.cwiseProduct(p), guess);
         if (!now) return std::nullopt;
         const double given = soft.cwiseProduct(*now - p).cwiseAbs().maxCoeff();
-        p = *now;
+        p = guess = *now;
         if (done(given, last, v_.cwiseAbs().maxCoeff())) return p;
         last = given;
       }
@@ -168,7 +177,13 @@ class AtOnce {
   double work_ = 0;
 };
 
-/// Contact after contact, its normal and its friction: near the solution in most cases.
+/// One motor.
+void sweep_motor(const MatrixXd& a, const VectorXd& v, const Rubbing::Limits& limits, Index row, VectorXd& p) {
+  if (a(row, row) <= 0) return;
+  p[row] = std::clamp(p[row] - (v[row] + a.row(row).dot(p)) / a(row, row), limits.least, limits.most);
+}
+
+/// Contact after contact, its normal and its friction, then motors: near the solution in most cases.
 VectorXd swept(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing, VectorXd p) {
   const Index n = v.size() - rubbing.rows();
   for (int sweep = 0; sweep < most_looks; ++sweep) {
@@ -183,6 +198,9 @@ VectorXd swept(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing, Vec
       const double most = rubbing.coefficient[k] * p[rubbing.contact[k]];
       if (now.norm() > most) now *= most / now.norm();
       p.segment<2>(row) = now;
+    }
+    for (std::size_t k = 0; k < rubbing.limits.size(); ++k) {
+      sweep_motor(a, v, rubbing.limits[k], n + rubbing.motors_at() + static_cast<Index>(k), p);
     }
   }
   return p;
@@ -205,7 +223,7 @@ VectorXd sticking(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing) 
   return p;
 }
 
-/// Friction at contacts that push so much, by projected gradients, contact after contact.
+/// Friction at contacts that push so much, and motors, by projected gradients, one after the other.
 VectorXd sweep(const MatrixXd& a, const VectorXd& speeds, const Rubbing& rubbing, const VectorXd& normal, VectorXd p,
                int sweeps) {
   VectorXd v = speeds + a * p;
@@ -226,6 +244,13 @@ VectorXd sweep(const MatrixXd& a, const VectorXd& speeds, const Rubbing& rubbing
       p.segment<2>(row) = now;
       moved = std::max(moved, steepest * change.norm());
     }
+    for (std::size_t k = 0; k < rubbing.limits.size(); ++k) {
+      const Index row = rubbing.motors_at() + static_cast<Index>(k);
+      const double was = p[row];
+      sweep_motor(a, speeds, rubbing.limits[k], row, p);
+      v += a.col(row) * (p[row] - was);
+      moved = std::max(moved, a(row, row) * std::fabs(p[row] - was));
+    }
     if (moved <= enough) break;
   }
   return p;
@@ -235,7 +260,7 @@ VectorXd sweep(const MatrixXd& a, const VectorXd& speeds, const Rubbing& rubbing
 VectorXd hold_in_turn(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing, VectorXd p) {
   const Index m = rubbing.rows(), n = v.size() - m;
   const MatrixXd normal = a.topLeftCorner(n, n);
-  const double soft = softness * a.diagonal().head(n).maxCoeff();
+  const double soft = n > 0 ? softness * a.diagonal().head(n).maxCoeff() : 0;
   const MatrixXd softened = normal + soft * MatrixXd::Identity(n, n);
   for (int round = 0; round < most_rounds; ++round) {
     const VectorXd was = p;
@@ -253,9 +278,9 @@ VectorXd hold_in_turn(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbi
 VectorXd hold(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing, VectorXd p) {
   if (v.size() <= most_rows) {
     AtOnce solver(a, v, rubbing);
-    auto at_once = solver.solve(p);
-    if (!at_once) at_once = solver.solve(swept(a, v, rubbing, p));
-    if (!at_once) at_once = solver.solve(sticking(a, v, rubbing));
+    auto at_once = solver.solve(p, p);
+    if (!at_once) at_once = solver.solve(p, swept(a, v, rubbing, p));
+    if (!at_once) at_once = solver.solve(p, sticking(a, v, rubbing));
     if (at_once && !adds_energy(a, v, *at_once)) return *at_once;
   }
   return hold_in_turn(a, v, rubbing, std::move(p));

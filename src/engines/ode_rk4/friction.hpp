@@ -1,7 +1,8 @@
 #pragma once
 // Coulomb's law on numbers alone: what impulses hold contacts whose speeds answer to impulses p with v + A p (A
 // symmetric, positive semidefinite). The first rows are the normals, then come two rows for each contact that rubs,
-// across its normal.
+// across its normal, and last one for each motor, whose speed is what it is beside its own: a motor within its limits is
+// friction of a constant bound, in one dimension.
 #include <Eigen/Core>
 #include <cstddef>
 #include <vector>
@@ -11,12 +12,18 @@ namespace odeval::engine_rk4 {
 struct Rubbing {
   std::vector<Eigen::Index> contact;  // of each two rows
   std::vector<double> coefficient;    // likewise, > 0
+  struct Limits {
+    double least, most;  // of an impulse; 0 is one of those between
+  };
+  std::vector<Limits> limits = {};  // of each motor
 
-  Eigen::Index rows() const { return static_cast<Eigen::Index>(2 * contact.size()); }
+  Eigen::Index rows() const { return motors_at() + static_cast<Eigen::Index>(limits.size()); }
+  /// Where they begin among these rows.
+  Eigen::Index motors_at() const { return static_cast<Eigen::Index>(2 * contact.size()); }
 };
 
 /// Nothing closes, normal impulses only push, and friction is in its round cone: where it is inside it nothing slides,
-/// else it acts against what does. `p` is where to begin. Where contacts say the same each gets the same share on top
+/// else it acts against what does; a motor has its speed, or gives what it can towards it. `p` is where to begin. Where contacts say the same each gets the same share on top
 /// of that, as soft ground would have it: friction feels the shares. Not always solved; see `adds_energy`.
 Eigen::VectorXd hold(const Eigen::MatrixXd& a, const Eigen::VectorXd& v, const Rubbing& rubbing, Eigen::VectorXd p);
 

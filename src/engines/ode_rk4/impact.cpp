@@ -68,8 +68,12 @@ double Impact::free_response(const Contact& contact) const {
   return sum;
 }
 
-Impact::Impact(Motion& motion, std::span<const Contact> contacts, const State& state)
-    : motion_(motion), contacts_(contacts), impulses_(state.size()), change_(state.size()) {
+Impact::Impact(Motion& motion, std::span<const Contact> contacts, const State& state, std::vector<LateMotor> motors)
+    : motion_(motion),
+      contacts_(contacts),
+      motors_(std::move(motors)),
+      impulses_(state.size()),
+      change_(state.size()) {
   rows_.assign(contacts.begin(), contacts.end());
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const Vector3d& n = contacts[i].normal;
@@ -77,6 +81,14 @@ Impact::Impact(Motion& motion, std::span<const Contact> contacts, const State& s
     add_rubbing(i, contacts[i].friction, across, other, false);
     add_rubbing(i, contacts[i].rho, across, other, true);
     add_rubbing(i, contacts[i].rhoN, n, Vector3d::Zero(), true);
+  }
+  for (const LateMotor& motor : motors_) {
+    const Joint& joint = motion.mechanism().joints[motor.joint];
+    const MotorLine line = motion.line(motor, state);
+    Contact row{joint.a, joint.b, state[joint.a].pose.position + line.on_a, line.axis, 0, 0, {joint.id, nullptr}};
+    row.turns = !motion.motor(motor).slides;
+    rows_.push_back(row);
+    rubbing_.limits.push_back({motor.least, motor.most});
   }
   const auto count = static_cast<Eigen::Index>(rows_.size());
   for (const Contact& contact : rows_) {
@@ -170,6 +182,7 @@ void Impact::respond(const Eigen::VectorXd& sizes) const {
 Eigen::VectorXd Impact::speeds(const State& state) const {
   Eigen::VectorXd v(static_cast<Eigen::Index>(rows_.size()));
   for (Eigen::Index i = 0; i < v.size(); ++i) v[i] = normal_speed(rows_[index(i)], state);
+  for (std::size_t k = 0; k < motors_.size(); ++k) v[motor_row(k)] -= motion_.motor(motors_[k]).velocity;
   return v;
 }
 
@@ -193,43 +206,51 @@ Eigen::VectorXd Impact::strike(State& state, ImpactOrder order, double rest_spee
   const Eigen::MatrixXd a = response_.topLeftCorner(normals(), normals());
   Eigen::VectorXd p = Eigen::VectorXd::Zero(response_.rows());
   const auto bounces = (v.head(normals()).array() < -rest_speed && restitution.of.array() > 0).any();
-  if (tangents() > 0 && !bounces) {
-    p = hold(v);
+  Rubbing rubbing = rubbing_;  // what bounces does so in no time, in which motors give nothing
+  rubbing.limits.clear();
+  if (rubbing.rows() > 0 && !bounces) {
+    p = hold(v, rubbing);
   } else {
     p.head(normals()) = order == ImpactOrder::together ? strike_together(a, v.head(normals()), restitution)
                                                        : strike_in_turn(a, v.head(normals()), restitution, pair);
-    if (tangents() > 0) p = rubbed(v, std::move(p));
+    if (rubbing.rows() > 0) p = rubbed(v, std::move(p), rubbing);
   }
   strike_by(p, state);
   return p;
 }
 
-/// Without restitution.
-Eigen::VectorXd Impact::hold(const Eigen::VectorXd& v) const {
-  const Eigen::Index n = normals();
-  if (tangents() == 0) return strike_together(response_, v, {Eigen::VectorXd::Zero(n)});
-  Eigen::VectorXd p(v.size());
-  for (Eigen::Index i = 0; i < p.size(); ++i) {
+/// Without restitution. Of the rows that `rubbing` tells of: the others give nothing.
+Eigen::VectorXd Impact::hold(const Eigen::VectorXd& v, const Rubbing& rubbing) const {
+  const Eigen::Index n = normals(), count = n + rubbing.rows();
+  const Eigen::MatrixXd a = response_.topLeftCorner(count, count);
+  Eigen::VectorXd p = Eigen::VectorXd::Zero(v.size());
+  const auto without = [&] { return strike_together(a.topLeftCorner(n, n), v.head(n), {Eigen::VectorXd::Zero(n)}); };
+  if (count == n) {
+    p.head(n) = without();
+    return p;
+  }
+  for (Eigen::Index i = 0; i < count; ++i) {
     const Contact& row = rows_[index(i)];
     p[i] = (row.turns ? row.turn : row.push).dot(row.normal);
   }
-  p = engine_rk4::hold(response_, v, rubbing_, std::move(p));
-  if (!adds_energy(response_, v, p)) return p;
+  for (std::size_t k = 0; k < rubbing.limits.size(); ++k) p[motor_row(k)] = motors_[k].before;
+  p.head(count) = engine_rk4::hold(a, v.head(count), rubbing, p.head(count));
+  if (!adds_energy(a, v.head(count), p.head(count))) return p;
   // Not solved: without friction, and then what friction takes of that.
   p.setZero();
-  p.head(n) = strike_together(response_.topLeftCorner(n, n), v.head(n), {Eigen::VectorXd::Zero(n)});
-  return rubbed(v, p);
+  p.head(n) = without();
+  return rubbed(v, p, rubbing);
 }
 
 /// Friction takes what it can of what normal impulses leave, and what it makes to close is stopped: no part of it adds
 /// energy.
-Eigen::VectorXd Impact::rubbed(const Eigen::VectorXd& v, Eigen::VectorXd p) const {
-  const Eigen::Index n = normals(), m = tangents();
-  p.tail(m) = rub(response_.bottomRightCorner(m, m), v.tail(m) + response_.bottomLeftCorner(m, n) * p.head(n), rubbing_,
-                  p.head(n), Eigen::VectorXd::Zero(m));
+Eigen::VectorXd Impact::rubbed(const Eigen::VectorXd& v, Eigen::VectorXd p, const Rubbing& rubbing) const {
+  const Eigen::Index n = normals(), m = rubbing.rows();
+  p.segment(n, m) = rub(response_.block(n, n, m, m), v.segment(n, m) + response_.block(n, 0, m, n) * p.head(n), rubbing,
+                        p.head(n), Eigen::VectorXd::Zero(m));
   for (int round = 0; round < most_rounds; ++round) {
     const Eigen::VectorXd now = v + response_ * p;
-    if (now.head(n).minCoeff() >= -rounding * v.cwiseAbs().maxCoeff()) break;
+    if (n == 0 || now.head(n).minCoeff() >= -rounding * v.cwiseAbs().maxCoeff()) break;
     p.head(n) += strike_together(response_.topLeftCorner(n, n), now.head(n), {Eigen::VectorXd::Zero(n)});
   }
   return p;
@@ -249,9 +270,29 @@ void Impact::note(const Eigen::VectorXd& impulses, std::size_t number, Contact& 
 }
 
 Eigen::VectorXd Impact::stop(State& state) const {
-  const Eigen::VectorXd p = hold(speeds(state));
+  const Eigen::VectorXd p = hold(speeds(state), rubbing_);
   strike_by(p, state);
   return p;
+}
+
+double Impact::work(const Eigen::VectorXd& impulses, const State& before, const State& after) const {
+  double sum = 0;
+  for (std::size_t k = 0; k < motors_.size(); ++k) {
+    const Contact& row = rows_[index(motor_row(k))];
+    sum += impulses[motor_row(k)] * (normal_speed(row, before) + normal_speed(row, before, after)) / 2;
+  }
+  return sum;
+}
+
+std::vector<Contact> Impact::note_motors(const Eigen::VectorXd& impulses) const {
+  std::vector<Contact> found;
+  for (std::size_t k = 0; k < motors_.size(); ++k) {
+    const double given = impulses[motor_row(k)];
+    motion_.note(motors_[k], given);
+    Contact& contact = found.emplace_back(rows_[index(motor_row(k))]);
+    (contact.turns ? contact.turn : contact.push) = given * contact.normal;
+  }
+  return found;
 }
 
 Sticks Impact::sticks_at(const Eigen::VectorXd& impulses, const State& before, const State& state, double h) const {
@@ -287,6 +328,7 @@ std::vector<Twist> Impact::way_out(double depth, std::span<const Twist> besides,
   Eigen::VectorXd b(static_cast<Eigen::Index>(contacts_.size()));
   for (std::size_t i = 0; i < contacts_.size(); ++i) b[static_cast<Eigen::Index>(i)] = depth - contacts_[i].depth;
   if (besides.empty() && (b.array() >= 0).all()) return {};
+  if (contacts_.empty()) return {besides.begin(), besides.end()};
   Eigen::VectorXd p = Eigen::VectorXd::Zero(response_.rows());
   p.head(normals()) = complementary(response_.topLeftCorner(normals(), normals()), b);
   std::vector<Eigen::Index> pushing;

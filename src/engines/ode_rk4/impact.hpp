@@ -48,13 +48,19 @@ struct Sticks {
 /// What impulses at the contacts of one pose do: that of the motion's last projection.
 class Impact {
  public:
-  Impact(Motion& motion, std::span<const Contact> contacts, const State& state);
+  /// `motors`: those that act in `stop`, besides.
+  Impact(Motion& motion, std::span<const Contact> contacts, const State& state, std::vector<LateMotor> motors = {});
 
   /// After it no contact closes, impulses have only pushed, and kinetic energy is at most what it was, by the laws of
   /// restitution.hpp, and friction in its cone. Returns impulses. All bodies feel the impulses through the joints.
   Eigen::VectorXd strike(State& state, ImpactOrder order, double rest_speed) const;
-  /// Without restitution: impulses, friction in its cone. Returns them.
+  /// Without restitution: impulses, friction in its cone, and of motors. Returns them.
   Eigen::VectorXd stop(State& state) const;
+  bool has_motors() const { return !motors_.empty(); }
+  /// Of motors, J, by impulses of `stop` that acted evenly from one state to another.
+  double work(const Eigen::VectorXd& impulses, const State& before, const State& after) const;
+  /// What motors gave, as contacts whose first geom is the joint's id, with what they push; notes it for the next time.
+  std::vector<Contact> note_motors(const Eigen::VectorXd& impulses) const;
   /// Writes to a contact what impulses it got.
   void note(const Eigen::VectorXd& impulses, std::size_t number, Contact& contact) const;
   /// What `stop`, of forces over a time h, brought to stick first, from the velocities that it had before and that
@@ -75,15 +81,18 @@ class Impact {
   void find_response(std::size_t bodies);
   void respond(const Eigen::VectorXd& sizes) const;  // into change_
 
-  Eigen::VectorXd hold(const Eigen::VectorXd& speeds) const;
-  Eigen::VectorXd rubbed(const Eigen::VectorXd& speeds, Eigen::VectorXd impulses) const;
-  Eigen::Index tangents() const { return response_.rows() - normals(); }
+  Eigen::VectorXd hold(const Eigen::VectorXd& speeds, const Rubbing& rubbing) const;
+  Eigen::VectorXd rubbed(const Eigen::VectorXd& speeds, Eigen::VectorXd impulses, const Rubbing& rubbing) const;
   Eigen::Index normals() const { return static_cast<Eigen::Index>(contacts_.size()); }
+  Eigen::Index motor_row(std::size_t k) const {
+    return normals() + rubbing_.motors_at() + static_cast<Eigen::Index>(k);
+  }
 
   Motion& motion_;
   std::span<const Contact> contacts_;
+  std::vector<LateMotor> motors_;
   // The contacts, then two more for each that rubs, along its plane, or rolls, about axes in its plane, or spins: about
-  // its normal, and one that says nothing.
+  // its normal, and one that says nothing. Motors are last.
   std::vector<Contact> rows_;
   Rubbing rubbing_;
   Eigen::MatrixXd response_;    // speeds of the rows, for a unit impulse at each

@@ -126,8 +126,9 @@ struct Motor {
   double most;      // N or N m
   Drive drive = Drive::released;
   double force = 0;     // on a, while it pushes; while it holds, at the end of the last motion
-  double jump = 0;      // N s or N m s, that brought it to its velocity at once
   bool midway = false;  // where it slides: its point is in the middle of the two bodies, or at the only one
+  bool late = false;    // contacts act on what it moves, at the end of a step: what it gives for them it gives there
+  double at_end = 0;    // N s or N m s, that it gave there last
 };
 
 /// How far a hinge may turn or a slider may slide, of a against b.

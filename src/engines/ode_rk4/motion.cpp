@@ -388,33 +388,32 @@ double Motion::time_to_speed(const MotorPlace& place, const State& state) const 
   return fast * rate < 0 ? -fast / rate : INFINITY;
 }
 
-void Motion::drive(const State& state, Forces& forces, double t, std::span<const std::size_t> broken, double within) {
+void Motion::drive(const State& state, Forces& forces, double t, std::span<const std::size_t> broken) {
   look(state);
   std::vector<char> at_speed(motors_.size(), 0), decided(motors_.size(), 0);
   for (std::size_t m = 0; m < motors_.size(); ++m) {
     Motor& motor = motors_[m].of(mechanism_);
     const double fast = too_fast(motors_[m], state);
-    motor.jump = 0;
-    at_speed[m] = std::fabs(fast) <= reached * (1 + std::fabs(motor.velocity)) && motor.most > 0 ? 1 : 0;
+    const bool there = std::fabs(fast) <= reached * (1 + std::fabs(motor.velocity));
+    const bool at_once = std::isinf(motor.most) && !motor.late;  // the projection brings it there
+    at_speed[m] = (there || at_once) && motor.most > 0 ? 1 : 0;
     if (at_speed[m] == 0) {
-      motor.drive = Drive::pushes;
-      motor.force = fast > 0 ? -motor.most : motor.most;
+      motor.drive = motor.late ? Drive::released : Drive::pushes;
+      motor.force = motor.late ? 0 : std::copysign(motor.most, -fast);
     } else if (std::ranges::find(broken, m) == broken.end()) {
       motor.drive = Drive::holds;
     }
   }
   // Each that can not hold changes what the others have to hold. One comes to its velocity once, and lets go once.
-  // In no time to speak of contacts, which act at the end of a step, disturb it by as much as is left, and to look for
-  // the moment would cost more than the step.
+  // To look for a moment that is as good as now would cost more than the step.
   for (bool changed = true; changed;) {
     feel(state, forces, t);
     changed = false;
     for (std::size_t m = 0; m < motors_.size(); ++m) {
       Motor& motor = motors_[m].of(mechanism_);
-      const double passes = at_speed[m] == 0 && motor.most > 0 ? time_to_speed(motors_[m], state) : INFINITY;
-      if (passes <= std::max(no_time * step_, within)) {
+      const bool comes = motor.drive == Drive::pushes && at_speed[m] == 0 && motor.most > 0;
+      if (comes && time_to_speed(motors_[m], state) <= no_time * step_) {
         at_speed[m] = 1;
-        motor.jump = motor.force * passes;
         motor.drive = Drive::holds;
         changed = true;
         continue;
@@ -452,12 +451,23 @@ void Motion::beyond(const State& state, Forces& forces, double t, std::vector<do
   }
 }
 
-bool Motion::bears(double h) const {
-  return std::ranges::all_of(motors_, [&](const MotorPlace& place) {
+void Motion::put_off(const std::vector<char>& bodies) {
+  for (const MotorPlace& place : motors_) {
+    const Joint& joint = mechanism_.joints[place.joint];
+    place.of(mechanism_).late = bodies[joint.a] != 0 || (joint.b != world_body && bodies[joint.b] != 0);
+  }
+}
+
+std::vector<LateMotor> Motion::late(double h) const {
+  std::vector<LateMotor> found;
+  for (const MotorPlace& place : motors_) {
     const Motor& motor = place.of(mechanism_);
-    return motor.drive != Drive::holds ||
-           std::fabs(motor.jump + motor.force * h + motor_force(place)) <= motor.most * h;
-  });
+    if (!motor.late || h <= 0 || motor.most <= 0) continue;
+    const double least = std::min(0.0, (-motor.most - motor.force) * h);
+    const double most = std::max(0.0, (motor.most - motor.force) * h);
+    found.push_back({place.joint, place.motor, least, most, std::clamp(motor.at_end, least, most)});
+  }
+  return found;
 }
 
 /// A state moved by the slopes of some stages; the first is of `from` itself.
@@ -536,8 +546,8 @@ JointError Motion::displace(const std::vector<Twist>& by, State& state) {
   return project(state).after;
 }
 
-JointErrors Motion::project(State& state, bool hold_on) {
-  if (!hold_on) release();
+JointErrors Motion::project(State& state) {
+  release();
   if (tree_) turn(state);  // for `free_change`
   look(state);
   factor();

@@ -54,6 +54,13 @@ struct JointErrors {
   JointError after;
 };
 
+/// What a motor that acts with contacts can still give at the end of a time.
+struct LateMotor {
+  std::size_t joint, motor;
+  double least, most;  // N s or N m s; 0 is one of those between
+  double before;       // what it gave last
+};
+
 class Motion {
  public:
   /// `order` of the Runge-Kutta formula: 4 or 8. Not `along_trees`: all by blocks.
@@ -72,9 +79,22 @@ class Motion {
   /// step has changed and then now and again, since poses change slowly beside what explodes.
   void check_springs(const State& state);
   bool has_motors() const { return !motors_.empty(); }
-  /// Decides which motors hold and which push from this state on, `t` into the step. `broken` ones hold no more; those
-  /// that come to their velocity `within` a time have it at once.
-  void drive(const State& state, Forces& forces, double t, std::span<const std::size_t> broken, double within = 0);
+  /// Decides which motors hold and which push from this state on, `t` into the step. `broken` ones hold no more. Late
+  /// ones hold a velocity that they have; to come to it is left to the end.
+  void drive(const State& state, Forces& forces, double t, std::span<const std::size_t> broken);
+  /// Motors of bodies that contacts act on at the end of a step are late.
+  void put_off(const std::vector<char>& bodies);
+  /// Those, after a motion of a time h: their limits times h, less what they have given in it.
+  std::vector<LateMotor> late(double h) const;
+  /// That one of them gives.
+  void note(const LateMotor& late, double impulse) {
+    mechanism_.joints[late.joint].motors[late.motor].at_end = impulse;
+  }
+  const Motor& motor(const LateMotor& late) const { return mechanism_.joints[late.joint].motors[late.motor]; }
+  /// At the pose of the last `project` or `displace`.
+  MotorLine line(const LateMotor& late, const State& state) const {
+    return line_of(mechanism_.joints[late.joint], motor(late), state, turns_);
+  }
   /// How far each motor is beyond what it does, at a state that a step came to: it holds with more than its limit, or
   /// has passed its velocity while it pushes. Positive: it has to change; as shares of its limit and its velocity.
   void beyond(const State& state, Forces& forces, double t, std::vector<double>& shares);
@@ -82,12 +102,9 @@ class Motion {
   /// Makes it push as it held.
   void let_slip(std::size_t motor);
 
-  /// Moves poses onto the joints, then velocities, with motors released, or those that hold holding on. Errors: as
-  /// found, and what could not be mended.
-  JointErrors project(State& state, bool hold_on = false);
-  /// After impulses of `respond` that stand for forces over a time h: have motors that hold on borne them within their
-  /// limits?
-  bool bears(double h) const;
+  /// Moves poses onto the joints, then velocities, with motors released. Errors: as found, and what could not be
+  /// mended.
+  JointErrors project(State& state);
 
   /// The change of all velocities that impulses (N s, N m s) on bodies make, joints kept, at the pose of the last
   /// `project` or `displace`.
