@@ -170,8 +170,8 @@ void check_press(const Press& press, double h) {
   }
   const double lever = press.arm + dBodyGetPosition(finger)[2], speed = vec(dBodyGetLinearVel(finger)).norm();
   const double wanted = press.arm > 0 ? 20 / lever : 20;
-  std::printf("%-18s presses, h = %g: box bears %.10f N, finger %.2g m/s, %zu touches\n", press.name, h,
-              -of_box.f1[0], speed, touches);
+  std::printf("%-18s presses, h = %g: box bears %.10f N, finger %.2g m/s, %zu touches\n", press.name, h, -of_box.f1[0],
+              speed, touches);
   CHECK_NEAR(-of_box.f1[0], wanted, 1e-8);
   CHECK_NEAR(of_base.f1[0] + of_box.f1[0], 0, 1e-8);  // between them all is at rest
   CHECK_BETWEEN(speed, 0, 1e-10);

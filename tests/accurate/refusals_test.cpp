@@ -87,6 +87,18 @@ void check_unsupported() {
     dJointAttach(joint, w.one, w.two);
     dJointSetPUParam(joint, dParamHiStop2, 0.1);
   });
+  for (const auto& [low, high] : {std::pair(0.5, -0.5), std::pair(0.0, nan)}) {
+    refused("between body 0 and the world has stops the wrong way round: dParamLoStop", [&](Pendulum& w) {
+      dJointSetHingeParam(w.first, dParamLoStop, low);
+      dJointSetHingeParam(w.first, dParamHiStop, high);
+    });
+  }
+  for (const double bounce : {-0.1, 1.5, nan}) {
+    refused("between body 0 and the world has stops with a dParamBounce of", [&](Pendulum& w) {
+      dJointSetHingeParam(w.first, dParamHiStop, 1);
+      dJointSetHingeParam(w.first, dParamBounce, bounce);
+    });
+  }
   refused("keeps no distance", [](Pendulum& w) {
     const dJointID joint = dJointCreateDBall(w.id, nullptr);
     dJointAttach(joint, w.one, w.two);
@@ -250,7 +262,12 @@ void check_options() {
     refuse("most_impacts must be", [most](AccurateStepOptions& o) { o.most_impacts = most; });
   for (const int order : {0, 5, -8})
     refuse("order must be 4 or 8", [order](AccurateStepOptions& o) { o.order = order; });
-  refuse("is null", [](AccurateStepOptions& o) { o.bodies = {nullptr}; });
+  refuse("number 0 of AccurateStepOptions::bodies is null", [](AccurateStepOptions& o) { o.bodies = {nullptr}; });
+  World elsewhere;
+  const dBodyID stranger = elsewhere.sphere(1, 0.1, {0, 0, 0});
+  refuse("number 0 of AccurateStepOptions::bodies is of another world",
+         [&](AccurateStepOptions& o) { o.bodies = {stranger}; });
+  refuse("impact_order must be", [](AccurateStepOptions& o) { o.impact_order = static_cast<odeval::ImpactOrder>(2); });
 
   for (const double restitution : {-0.1, 1.1, nan}) {
     World falling;

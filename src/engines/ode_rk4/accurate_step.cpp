@@ -18,7 +18,7 @@ using namespace engine_rk4;
 namespace {
 
 /// Before anything is read: a single-precision ODE would tell nonsense.
-AccurateStepOptions checked(AccurateStepOptions options) {
+AccurateStepOptions checked(dWorldID world, AccurateStepOptions options) {
   if (dCheckConfiguration("ODE_double_precision") == 0) refuse("needs a double-precision ODE");
   const auto check = [](bool good, const char* what, double value) {
     if (!good) refuse(std::string(what) + ", not " + shown(value));
@@ -29,7 +29,14 @@ AccurateStepOptions checked(AccurateStepOptions options) {
         options.rest_speed);
   check(options.most_impacts >= 1, "most_impacts must be 1 or more", options.most_impacts);
   check(options.order == 4 || options.order == 8, "order must be 4 or 8", options.order);
-  if (std::ranges::count(options.bodies, nullptr) > 0) refuse("one of AccurateStepOptions::bodies is null");
+  const bool known = options.impact_order == ImpactOrder::together || options.impact_order == ImpactOrder::in_turn;
+  check(known, "impact_order must be ImpactOrder::together or in_turn", static_cast<int>(options.impact_order));
+  for (std::size_t i = 0; i < options.bodies.size(); ++i) {
+    const dBodyID body = options.bodies[i];
+    const std::string number = std::to_string(i) + " of AccurateStepOptions::bodies is ";
+    if (body == nullptr) refuse("number " + number + "null");
+    if (dBodyGetWorld(body) != world) refuse("number " + number + "of another world", body);
+  }
   return options;
 }
 
@@ -40,7 +47,7 @@ class AccurateStep::World {
   World(dxWorld* world, dxSpace* space, AccurateStepOptions options)
       : world_(world),
         space_(space),
-        options_(checked(std::move(options))),
+        options_(checked(world, std::move(options))),
         motion_(read_mechanism(world, space, options_.bodies, {}, options_.lmotor_axis_rel), options_.order),
         watch_(space, mechanism()),
         collider_(space, options_.contact),

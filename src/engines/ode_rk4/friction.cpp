@@ -279,8 +279,15 @@ VectorXd hold(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing, Vect
   if (v.size() <= most_rows) {
     AtOnce solver(a, v, rubbing);
     auto at_once = solver.solve(p, p);
-    if (!at_once) at_once = solver.solve(p, swept(a, v, rubbing, p));
-    if (!at_once) at_once = solver.solve(p, sticking(a, v, rubbing));
+    if (!at_once) {
+      const VectorXd near = swept(a, v, rubbing, p);
+      at_once = solver.solve(p, near);
+      if (!at_once) at_once = solver.solve(near, near);  // with its shares, which may be uneven
+    }
+    if (!at_once) {
+      const VectorXd stuck = sticking(a, v, rubbing);
+      at_once = solver.solve(stuck, stuck);
+    }
     if (at_once && !adds_energy(a, v, *at_once)) return *at_once;
   }
   return hold_in_turn(a, v, rubbing, std::move(p));

@@ -1,8 +1,8 @@
 #pragma once
 // Coulomb's law on numbers alone: what impulses hold contacts whose speeds answer to impulses p with v + A p (A
 // symmetric, positive semidefinite). The first rows are the normals, then come two rows for each contact that rubs,
-// across its normal, and last one for each motor, whose speed is what it is beside its own: a motor within its limits is
-// friction of a constant bound, in one dimension.
+// across its normal, and last one for each motor, whose speed is what it is beside its own: a motor within its limits
+// is friction of a constant bound, in one dimension.
 #include <Eigen/Core>
 #include <cstddef>
 #include <vector>
@@ -23,8 +23,9 @@ struct Rubbing {
 };
 
 /// Nothing closes, normal impulses only push, and friction is in its round cone: where it is inside it nothing slides,
-/// else it acts against what does; a motor has its speed, or gives what it can towards it. `p` is where to begin. Where contacts say the same each gets the same share on top
-/// of that, as soft ground would have it: friction feels the shares. Not always solved; see `adds_energy`.
+/// else it acts against what does; a motor has its speed, or gives what it can towards it. `p` is where to begin. Where
+/// contacts say the same each gets the same share on top of that, as soft ground would have it: friction feels the
+/// shares. Not always solved; see `adds_energy`.
 Eigen::VectorXd hold(const Eigen::MatrixXd& a, const Eigen::VectorXd& v, const Rubbing& rubbing, Eigen::VectorXd p);
 
 /// Friction alone at contacts that push so much: the impulses in their discs that leave the least energy.

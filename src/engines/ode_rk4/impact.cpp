@@ -69,11 +69,7 @@ double Impact::free_response(const Contact& contact) const {
 }
 
 Impact::Impact(Motion& motion, std::span<const Contact> contacts, const State& state, std::vector<LateMotor> motors)
-    : motion_(motion),
-      contacts_(contacts),
-      motors_(std::move(motors)),
-      impulses_(state.size()),
-      change_(state.size()) {
+    : motion_(motion), contacts_(contacts), motors_(std::move(motors)), impulses_(state.size()), change_(state.size()) {
   rows_.assign(contacts.begin(), contacts.end());
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const Vector3d& n = contacts[i].normal;

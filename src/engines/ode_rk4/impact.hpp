@@ -51,8 +51,10 @@ class Impact {
   /// `motors`: those that act in `stop`, besides.
   Impact(Motion& motion, std::span<const Contact> contacts, const State& state, std::vector<LateMotor> motors = {});
 
-  /// After it no contact closes, impulses have only pushed, and kinetic energy is at most what it was, by the laws of
-  /// restitution.hpp, and friction in its cone. Returns impulses. All bodies feel the impulses through the joints.
+  /// After it no contact closes, impulses have only pushed, friction is in its cone, and kinetic energy is at most what
+  /// it was. What bounces does so by the laws of restitution.hpp as without friction; then friction takes what it can
+  /// in the cones of these impulses, and what it makes to close is stopped. Where nothing bounces all is held at once.
+  /// Returns impulses. All bodies feel the impulses through the joints.
   Eigen::VectorXd strike(State& state, ImpactOrder order, double rest_speed) const;
   /// Without restitution: impulses, friction in its cone, and of motors. Returns them.
   Eigen::VectorXd stop(State& state) const;

@@ -234,7 +234,7 @@ class JointReader {
   }
 
  private:
-  [[noreturn]] void refuse_this(const char* why) const { refuse(name(joint_) + why, dJointGetBody(id_, 0), id_); }
+  [[noreturn]] void refuse_this(const std::string& why) const { refuse(name(joint_) + why, dJointGetBody(id_, 0), id_); }
 
   using GetVector = void (*)(dJointID, dReal*);
 
@@ -312,9 +312,15 @@ class JointReader {
   void stop(GetParameter get, int group, bool slides, const Vector3d& axis, const Vector3d& of_a, const Vector3d& of_b,
             double at_start) {
     const double low = get(id_, dParamLoStop + group), high = get(id_, dParamHiStop + group);
+    const double bounce = get(id_, dParamBounce + group);
     if (low == -dInfinity && high == dInfinity) return;
-    joint_.stops.push_back(
-        {slides, a_.direction(axis), of_a, of_b, at_start, low, high, get(id_, dParamBounce + group)});
+    if (!(low <= high)) {
+      refuse_this(" has stops the wrong way round: dParamLoStop " + shown(low) + ", dParamHiStop " + shown(high));
+    }
+    if (!(bounce >= 0 && bounce <= 1)) {
+      refuse_this(" has stops with a dParamBounce of " + shown(bounce) + "; it must be 0 to 1");
+    }
+    joint_.stops.push_back({slides, a_.direction(axis), of_a, of_b, at_start, low, high, bounce});
   }
   /// About an axis of both bodies, that have turned by an angle.
   void turning_stop(GetParameter get, int group, const Vector3d& n, double angle) {

@@ -35,7 +35,7 @@ VectorXd bounce(const Restitution& restitution, const VectorXd& now) {
 bool sound(const MatrixXd& a, const VectorXd& now, const VectorXd& p) {
   if (p.cwiseProduct(a.diagonal()).maxCoeff() > largest * now.cwiseAbs().maxCoeff()) return false;
   const VectorXd change = a * p;
-  const auto own = a.diagonal().array();  // 0: what joints lock
+  const auto own = a.diagonal().array();                                               // 0: what joints lock
   const double energy = (own > 0).select(now.array().square() / own, 0.0).maxCoeff();  // at least, twice
   return p.dot(2 * now + change) <= rounding / 10 * energy;
 }
