@@ -56,9 +56,9 @@ struct Bounce {
 
 /// What several contacts at one moment do (touching rows, corners, what leans on each other). Either way kinetic energy
 /// after is at most what it was, the same where every restitution is 1, and no contact pulls; through joints too. The
-/// outcome does not hang on the step or on the order in which geoms were made. Friction acts on what bounces after that,
-/// within the cones of these impulses: it may slow what leaves, and what it makes to close stops without a bounce.
-/// Where nothing bounces, Coulomb's law holds of all impulses at once.
+/// outcome does not hang on the step or on the order in which geoms were made. Friction acts on what bounces after
+/// that, within the cones of these impulses: it may slow what leaves, and what it makes to close stops without a
+/// bounce. Where nothing bounces, Coulomb's law holds of all impulses at once.
 enum class ImpactOrder {
   /// One impact, by Newton's law with complementarity: every contact leaves at least as fast as its restitution says,
   /// and at just that speed where it pushes. A ball that hits a row of four equal ones comes back at 3/5 of its speed,
@@ -121,10 +121,10 @@ class AccurateStep {
   /// Throws AccurateStepError for what is not supported: contact joints of the user's, double balls of no length;
   /// linear motors of which lmotor_axis_rel does not tell, dAMotorEuler; stops of universal joints, of the turns of PU
   /// joints, and of angular and linear motors, stops the wrong way round, a dParamBounce that is not 0 to 1;
-  /// transmissions with backlash, with wheels that do not lie in one plane, or with bevel wheels whose axes do not meet;
-  /// piston, PR, PU and plane2d joints with the world as their first body; limits of angular speed, damping that is not
-  /// at least 0 and less than 1, masses that are not positive, the gyroscopic term off; options out of their range,
-  /// bodies of another world. The step throws it for suspensions that are stiffer than it follows.
+  /// transmissions with backlash, with wheels that do not lie in one plane, or with bevel wheels whose axes do not
+  /// meet; piston, PR, PU and plane2d joints with the world as their first body; limits of angular speed, damping that
+  /// is not at least 0 and less than 1, masses that are not positive, the gyroscopic term off; options out of their
+  /// range, bodies of another world. The step throws it for suspensions that are stiffer than it follows.
   explicit AccurateStep(dxWorld* world, dxSpace* space = nullptr, AccurateStepOptions options = {});
   ~AccurateStep();
   AccurateStep(AccurateStep&&) noexcept;

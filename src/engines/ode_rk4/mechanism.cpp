@@ -234,7 +234,9 @@ class JointReader {
   }
 
  private:
-  [[noreturn]] void refuse_this(const std::string& why) const { refuse(name(joint_) + why, dJointGetBody(id_, 0), id_); }
+  [[noreturn]] void refuse_this(const std::string& why) const {
+    refuse(name(joint_) + why, dJointGetBody(id_, 0), id_);
+  }
 
   using GetVector = void (*)(dJointID, dReal*);
 
