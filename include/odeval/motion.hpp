@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "odeval/mechanism.hpp"
+#include "odeval/work.hpp"
 
 namespace odeval {
 
@@ -23,6 +24,8 @@ struct BodyState {
 struct JointState {
   Vec3 force{};  // on the body that the joint carries (Joint::carried), N; an engine's is that of the step that led to
                  // the sample (of the first sample: the first step's)
+  double load = 0;  // of a motion that has works, along a hinge or a slider, as the joint counts: what motor, stop,
+                    // springs, torques and controllers give together, N m or N; likewise of that step
 };
 
 /// The force that tables show beside a body, N: of its carrier on it, zero without one. A zero has no sign.
@@ -37,6 +40,7 @@ struct SampleShape {
   std::size_t bodies = 0;       // in the order of Mechanism::bodies
   std::size_t joints = 0;       // in the order of Mechanism::joints
   std::size_t coordinates = 0;  // in the order of PlanarView::links
+  std::size_t works = 0;        // in the order of Work: all of them, or none where nobody keeps the books
 };
 
 /// One sample of a motion; the spans are as long as the motion's shape says.
@@ -46,6 +50,7 @@ struct BasicSample {
   std::span<Joint> joints;  // world frame
   std::span<Number> q;      // rad, relative as in PlanarView::q0
   std::span<Number> qd;     // rad/s
+  std::span<Number> works;  // J, since t = 0
   Number& contacts;         // contact joints in the step that led here
 };
 /// To write.
@@ -65,6 +70,7 @@ class Motion {
         bodies_(shape.bodies * capacity),
         joints_(shape.joints * capacity),
         coordinates_(2 * shape.coordinates * capacity),
+        works_(shape.works * capacity),
         contacts_(capacity) {}
 
   /// What each sample holds.
@@ -89,6 +95,7 @@ class Motion {
             {self.joints_.data() + shape.joints * k, shape.joints},
             {q, shape.coordinates},
             {q + shape.coordinates, shape.coordinates},
+            {self.works_.data() + shape.works * k, shape.works},
             self.contacts_[k]};
   }
 
@@ -97,6 +104,7 @@ class Motion {
   std::vector<BodyState> bodies_;    // of each sample one after the other
   std::vector<JointState> joints_;   // likewise
   std::vector<double> coordinates_;  // q, then qd, of each sample
+  std::vector<double> works_;        // of each sample
   std::vector<double> contacts_;     // one a sample
 };
 
@@ -142,6 +150,8 @@ struct Outcome {
   double at_rest_from = -1;               // s, when a cascade of impacts came to rest; < 0: never
   std::optional<double> self_difference;  // rad, largest difference between a method's own runs at two step sizes
   std::vector<Impact> impacts;            // in the order of time
+  std::vector<StopStrike> strikes;        // of joints on their stops, likewise; of a motion that has works
+  std::vector<MotorUse> motors;           // of all joints that have one, likewise
 };
 
 }  // namespace odeval

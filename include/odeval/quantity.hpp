@@ -44,6 +44,9 @@ enum class Direction {
   ROW(max_energy_drift,      "J",   mechanism,  less,    none, "largest difference from the energy at t = 0") \
   ROW(rms_energy_drift,      "J",   mechanism,  less,    none, "root mean square of that difference") \
   ROW(final_energy_drift,    "J",   mechanism,  nearer_zero, none, "that difference at the end, with its sign") \
+  /* Of mechanisms, whose motors, stops, springs, dampers, torques, controllers and contacts do the work: what is */ \
+  /* left of the reference is its own error, of ODE what its steps lose and gain. */ \
+  ROW(max_unaccounted_energy, "J",  mechanism,  less,    none, "largest change of the energy that no work accounts for") \
   /* Of coordinates that let joints come apart and bodies leave the plane. */ \
   ROW(max_gap,               "m",   mechanism,  less,    none, "largest distance between the anchors of a joint") \
   ROW(max_out_of_plane,      "m",   body,       less,    none, "largest distance of a body from the plane") \

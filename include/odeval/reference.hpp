@@ -21,6 +21,7 @@ struct Reference {
   std::vector<std::array<Column, 3>> joint_force;  // n, N, world frame: of its joint on each link or body
   std::vector<Impact> impacts;
   std::vector<double> impact_uncertainty_s;  // one per impact
+  std::vector<StopStrike> strikes;           // of joints on their stops, in the order of time
   double at_rest_from = -1;                  // s, as in Outcome
   std::string origin;  // who says so: solver and tolerances, or the closed form, for tables and summaries
 };

@@ -119,6 +119,7 @@ struct Scenario {
   std::string summary;                       // what is simulated, in a line
   Mechanism mechanism;                       // what an engine is given
   std::shared_ptr<const PlanarView> planar;  // null: no joint coordinates
+  bool named = false;                        // whether tables call its bodies and joints by name, and not by number
   std::vector<ImpactView> impact_views;      // one for each thing that has impacts of its own
   Definition definition;                     // what the file said of the mechanism
   double duration_s = 0;                     // simulated time

@@ -58,7 +58,8 @@ TreeEquations::TreeEquations(const Scenario& scenario)
               joint.first == branch.body ? 1.0 : -1.0,
               simbody_->place_of_coordinate(i),
               simbody_->place_of_speed(i),
-              0};
+              0,
+              *branch.joint};
     if (joint.sampled()) {
       axis.held = start_.size();
       start_.push_back(0);

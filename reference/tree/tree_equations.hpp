@@ -44,6 +44,7 @@ class TreeEquations {
     std::size_t way;     // places in a state
     std::size_t speed;   // likewise
     std::size_t held;    // likewise, of the held load where there is one
+    std::size_t number;  // of the joint
 
     double q(const double* y) const { return sign * y[way]; }
     double rate(const double* y) const { return sign * y[speed]; }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "odeval/error.hpp"
 #include "reference/closed_form/body_solution.hpp"
@@ -11,6 +12,7 @@
 #include "reference/planar/reference_solution.hpp"
 #include "reference/tree/simbody_tree.hpp"
 #include "reference/tree/spanning_tree.hpp"
+#include "reference/tree/tree_ledger.hpp"
 #include "reference/tree/tree_motion.hpp"
 #include "reference/tree/tree_uncertainty.hpp"
 
@@ -37,7 +39,10 @@ class TreeSimulation final : public Simulation {
  public:
   TreeSimulation(const Scenario& scenario, const SampleGrid& grid)
       : grid_(grid),
-        shape_{.bodies = scenario.mechanism.bodies.size(), .joints = scenario.mechanism.joints.size()},
+        shape_{.bodies = scenario.mechanism.bodies.size(),
+               .joints = scenario.mechanism.joints.size(),
+               .works = scenario.named ? work_names.size() : 0},
+        mechanism_(scenario.mechanism),
         equations_(scenario),
         motion_(equations_, scenario,
                 {scenario.rtol.value_or(tight_tolerances.rtol), scenario.atol.value_or(tight_tolerances.atol), true}) {
@@ -47,24 +52,43 @@ class TreeSimulation final : public Simulation {
   SampleShape shape() const override { return shape_; }
 
   Outcome run(Recorder recorder) override {
+    std::optional<TreeLedger> ledger;
+    if (recorder && shape_.works > 0) ledger.emplace(equations_, mechanism_);
     for (long row = 0; row < grid_.rows; ++row) {
       const double t = grid_.time(row);
-      while (motion_.end() < t) motion_.advance();
+      advance_to(t, ledger);
       if (!recorder) continue;
       const double* const y = motion_.at(t).data();
       const Sample sample = recorder.next();
       equations_.show(y, sample.bodies);
       equations_.forces(t, y, motion_.grips(), sample.joints);
+      if (ledger) ledger->record(t, y, motion_.grips(), sample);
     }
     Outcome outcome;
+    if (ledger) {
+      outcome.strikes = ledger->strikes();
+      outcome.motors = ledger->motors(grid_.time(grid_.rows - 1));
+    }
     outcome.steps = motion_.steps();
     outcome.evaluations = motion_.evaluations();
     return outcome;
   }
 
  private:
+  void advance_to(double t, std::optional<TreeLedger>& ledger) {
+    while (motion_.end() < t) {
+      if (ledger) {
+        ledger->follow(motion_, motion_.end());
+        if (motion_.change()) ledger->pass(*motion_.change());
+      }
+      motion_.advance();
+    }
+    if (ledger) ledger->follow(motion_, t);
+  }
+
   SampleGrid grid_;
   SampleShape shape_;
+  Mechanism mechanism_;
   TreeEquations equations_;
   TreeMotion motion_;
 };
@@ -90,11 +114,15 @@ Reference solve_tree(const Scenario& scenario, const SampleGrid& grid, Tolerance
   TreeUncertainty uncertainty(equations, mechanism, tight_run, off);
   Motion now({.bodies = mechanism.bodies.size(), .joints = mechanism.joints.size()}, 1);
   Reference reference;
+  const double end = grid.time(grid.rows - 1);
   for (long row = 0; row < grid.rows; ++row) {
     const double t = grid.time(row);
     while (tight.end() < t) {
       tight.advance();
       uncertainty.follow(tight, loose);
+      if (!tight.change() || tight.change()->t > end) continue;
+      const std::vector<StopStrike> strikes = strikes_at(equations, *tight.change());
+      reference.strikes.insert(reference.strikes.end(), strikes.begin(), strikes.end());
     }
     const double* const y = tight.at(t).data();
     equations.show(y, now[0].bodies);

@@ -10,9 +10,7 @@
 namespace odeval::catalogue {
 namespace {
 
-constexpr double widest_spacing_s = 0.05;
-
-Scenario until(Scenario scenario, double until_s) {
+Scenario until(Scenario scenario, double until_s, double widest_spacing_s) {
   const double spacing = until_s / std::max(1.0, std::ceil(until_s / widest_spacing_s - 1e-9));
   scenario.duration_s = until_s;
   scenario.step_s = spacing;
@@ -49,6 +47,20 @@ Knob knob_of(const Method& method) {
   return method.rtol > 0 ? Knob::rtol : Knob::none;
 }
 
+void set_knob(Scenario& scenario, const Method& method, double setting) {
+  switch (knob_of(method)) {
+    case Knob::step:
+      scenario.step_s = setting;
+      break;
+    case Knob::rtol:
+      scenario.rtol = setting;
+      scenario.atol = setting * atol_over_rtol;
+      break;
+    case Knob::none:
+      break;
+  }
+}
+
 std::string_view knob_name(Knob knob) {
   switch (knob) {
     case Knob::step:
@@ -61,8 +73,8 @@ std::string_view knob_name(Knob knob) {
   return "";
 }
 
-Accuracy::Accuracy(const Scenario& scenario, double until_s)
-    : scenario_(until(scenario, until_s)),
+Accuracy::Accuracy(const Scenario& scenario, double until_s, double widest_spacing_s)
+    : scenario_(until(scenario, until_s, widest_spacing_s)),
       spacing_s_(scenario_.step_s),
       reference_(scenario_.planar ? reference::solve_reference(scenario_, sample_grid(scenario_))
                                   : Evaluator(scenario_).reference()) {}
@@ -71,17 +83,7 @@ double Accuracy::fitting_step(double h) const { return spacing_s_ / std::max(1.0
 
 Evaluator Accuracy::at(const Method& method, double setting) const {
   Scenario scenario = scenario_;
-  switch (knob_of(method)) {
-    case Knob::step:
-      scenario.step_s = setting;
-      break;
-    case Knob::rtol:
-      scenario.rtol = setting;
-      scenario.atol = setting * atol_over_rtol;
-      break;
-    case Knob::none:
-      break;
-  }
+  set_knob(scenario, method, setting);
   return Evaluator(std::move(scenario), reference_);
 }
 

@@ -22,6 +22,8 @@ inline constexpr double atol_over_rtol = 1e-3;
 inline constexpr std::array<std::string_view, 5> searched_keys{"step", "duration", "rtol", "atol", "sample"};
 
 Knob knob_of(const Method& method);
+/// Sets it; where the method has none, nothing.
+void set_knob(Scenario& scenario, const Method& method, double setting);
 std::string_view knob_name(Knob knob);  // "h", "rtol", ""
 
 /// The error that searches are about: of angles, or without them the largest angle between a body's attitude and the
@@ -52,13 +54,14 @@ struct Search {
 
 /// A scenario until a time of choice, at settings of choice, beside one reference.
 ///
-/// Errors are measured at rows that all settings share, 0.05 s apart or a little less, so that they fill the time:
+/// Errors are measured at rows that all settings share, 0.05 s apart or as asked, or a little less, so that they fill
+/// the time:
 /// steps are whole fractions of that, and adaptive methods are read off there by their own interpolation.
 class Accuracy {
  public:
   /// Solves the reference, which is the same at every step: no controller looks once a step. `scenario`'s own duration,
   /// step, sampling and tolerances do not matter.
-  Accuracy(const Scenario& scenario, double until_s);
+  Accuracy(const Scenario& scenario, double until_s, double widest_spacing_s = 0.05);
 
   double row_spacing_s() const { return spacing_s_; }
   /// The step nearest to h that fits the rows.

@@ -97,6 +97,7 @@ Evaluator::Evaluator(Scenario scenario, std::shared_ptr<const Reference> referen
 const Reference& Evaluator::reference() {
   if (!reference_) {
     Reference solved = solve(scenario_, grid_);
+    add_joint_columns(scenario_, solved.trace);
     reference_ = std::make_shared<const Reference>(std::move(solved));
   }
   return *reference_;

@@ -122,8 +122,11 @@ sweep::Row GridRuns::run(long run, long group, std::string_view prepared) {
   const sweep::Status status = outcome.diverged       ? sweep::Status::diverged
                                : outcome.messages > 0 ? sweep::Status::suspect
                                                       : sweep::Status::ok;
-  return {status, outcome.diverged ? outcome.reason : suspicion(outcome), std::lround(1e6 * evaluation.cpu_s),
-          result_cells(outcome, metrics)};
+  std::string reason = outcome.diverged ? outcome.reason : suspicion(outcome);
+  if (const std::string_view mark = mark_of(*reference_); !mark.empty()) {
+    reason = std::string(mark) + (reason.empty() ? "" : "; ") + reason;
+  }
+  return {status, reason, std::lround(1e6 * evaluation.cpu_s), result_cells(outcome, metrics)};
 }
 
 }  // namespace odeval::catalogue

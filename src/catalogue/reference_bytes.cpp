@@ -19,21 +19,37 @@ void pass(Way& way, Value& body) {
 }
 
 template <class Way, class Value>
+requires bytes::is<Value, JointColumns>
+void pass(Way& way, Value& joint) {
+  auto& [gap, q, qd, load, error_q] = joint;
+  each(way, gap, q, qd, load, error_q);
+}
+
+template <class Way, class Value>
+requires bytes::is<Value, StopStrike>
+void pass(Way& way, Value& strike) {
+  auto& [t, joint, low, rate_before, rate_after] = strike;
+  each(way, t, joint, low, rate_before, rate_after);
+}
+
+template <class Way, class Value>
 requires bytes::is<Value, Trace>
 void pass(Way& way, Value& trace) {
   auto& [t, q, qd, kinetic, potential, gap, out_of_plane, error_q, error_position, error_turn, angular_momentum_drift,
-         long_axis_spin, penetration, contacts, condition, manipulability, bodies] = trace;
+         long_axis_spin, penetration, contacts, condition, manipulability, works, unaccounted, bodies, joints,
+         body_names, joint_names] = trace;
   each(way, t, q, qd, kinetic, potential, gap, out_of_plane, error_q, error_position, error_turn,
-       angular_momentum_drift, long_axis_spin, penetration, contacts, condition, manipulability, bodies);
+       angular_momentum_drift, long_axis_spin, penetration, contacts, condition, manipulability, works, unaccounted,
+       bodies, joints, body_names, joint_names);
 }
 
 template <class Way, class Value>
 requires bytes::is<Value, Reference>
 void pass(Way& way, Value& reference) {
   auto& [trace, uncertainty_q, uncertainty_position, uncertainty_turn, uncertainty_spin, joint_force, impacts,
-         impact_uncertainty_s, at_rest_from, origin] = reference;
+         impact_uncertainty_s, strikes, at_rest_from, origin] = reference;
   each(way, trace, uncertainty_q, uncertainty_position, uncertainty_turn, uncertainty_spin, joint_force, impacts,
-       impact_uncertainty_s, at_rest_from, origin);
+       impact_uncertainty_s, strikes, at_rest_from, origin);
 }
 
 namespace catalogue {

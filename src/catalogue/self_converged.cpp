@@ -121,6 +121,10 @@ Reference self_converged(const Scenario& scenario, const SampleGrid& grid) {
   return reference;
 }
 
+std::string_view mark_of(const Reference& reference) {
+  return reference.origin.starts_with(self_converged_origin) ? self_converged_origin : std::string_view();
+}
+
 const ReferenceProvider& provider_of(const Scenario& scenario) {
   const bool known = std::ranges::any_of(
       reference::providers(), [&](const ReferenceProvider& provider) { return provider.supports(scenario); });

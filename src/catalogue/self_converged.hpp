@@ -1,5 +1,7 @@
 #pragma once
 // The reference where nobody else knows the motion: what ODE itself tends to as its step goes to 0.
+#include <string_view>
+
 #include "odeval/reference.hpp"
 #include "odeval/scenario.hpp"
 
@@ -16,6 +18,9 @@ Reference self_converged(const Scenario& scenario, const SampleGrid& grid);
 
 /// What the origin of such a reference begins with.
 inline constexpr std::string_view self_converged_origin = "self-converged";
+
+/// "self-converged" of such a reference, for tables of numbers that are measured against it; empty of others.
+std::string_view mark_of(const Reference& reference);
 
 /// Who knows the true motion: as reference::provider_for, and ODE itself where that knows nobody.
 const ReferenceProvider& provider_of(const Scenario& scenario);

@@ -179,17 +179,7 @@ Scenario SettingsSearch::scenario(const Method& method, const std::vector<Change
   Scenario scenario = file_.read(settings, names_);
   scenario.duration_s = budget_.until_s;
   scenario.tolerances.clear();
-  switch (knob_of(method)) {
-    case Knob::step:
-      scenario.step_s = setting;
-      break;
-    case Knob::rtol:
-      scenario.rtol = setting;
-      scenario.atol = setting * atol_over_rtol;
-      break;
-    case Knob::none:
-      break;
-  }
+  set_knob(scenario, method, setting);
   if (scenario.sample_s) scenario.sample_s = scenario.step_s;
   return scenario;
 }

@@ -2,6 +2,7 @@
 
 #include "catalogue/self_converged.hpp"
 #include "catalogue/versions.hpp"
+#include "output/mechanism_report.hpp"
 
 namespace odeval::catalogue {
 
@@ -32,6 +33,7 @@ RunSummary summarise(const Evaluation& run, Evaluator& evaluator) {
   for (const double until : error_times_within(summary.grid)) {
     summary.error_at.push_back(evaluator.measure(run, until));
   }
+  summary.parts = parts_of(evaluator.scenario(), run.trace);
   summary.reference = evaluator.reference().origin;
   return summary;
 }

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "catalogue/evaluation.hpp"
+#include "catalogue/self_converged.hpp"
 #include "cli/commands.hpp"
 #include "cli/flags.hpp"
 #include "cli/progress.hpp"
@@ -66,7 +67,7 @@ std::vector<CheckRow> check_scenario(Scenario scenario) {
   std::map<std::string, catalogue::Evaluation> runs;
   std::vector<CheckRow> rows;
   for (const Tolerance& tolerance : scenario.tolerances) {
-    CheckRow row{scenario.name, tolerance, {}, {}, CheckRow::Verdict::left_out, {}};
+    CheckRow row{scenario.name, tolerance, {}, {}, CheckRow::Verdict::left_out, {}, {}};
     const auto all = catalogue::methods();
     const auto& method = *std::ranges::find(all, tolerance.method, &catalogue::Method::name);
     if (method.make != nullptr) {
@@ -79,6 +80,7 @@ std::vector<CheckRow> check_scenario(Scenario scenario) {
       row.measured = judged_value(tolerance, metrics);
       row.reference_uncertainty = uncertainty_of(tolerance, metrics);
       row.verdict = verdict_of(judge(tolerance, metrics));
+      row.reference = catalogue::mark_of(evaluator.reference());
       row.suspect = suspicion(run.outcome);
     }
     rows.push_back(row);

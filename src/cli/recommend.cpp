@@ -11,6 +11,7 @@
 
 #include "catalogue/accuracy.hpp"
 #include "catalogue/grid_runs.hpp"
+#include "catalogue/self_converged.hpp"
 #include "catalogue/settings_search.hpp"
 #include "catalogue/timing.hpp"
 #include "cli/commands.hpp"
@@ -112,6 +113,11 @@ std::vector<const TargetFlag*> asked_for(Options& options, const Scenario& scena
 void require_known(const std::vector<const TargetFlag*>& asked, const Scenario& scenario,
                    const std::vector<const catalogue::Method*>& methods) {
   catalogue::Evaluator evaluator(catalogue::with_enough_rows(scenario));
+  if (!catalogue::mark_of(evaluator.reference()).empty()) {
+    throw UserError(scenario.file + ": the reference is " + std::string(catalogue::self_converged_origin) +
+                    ", ODE's own limit, which is another motion at another step and ERP: nothing can be recommended by "
+                    "it; 'odeval sweep' tells the error of each run against its own");
+  }
   std::vector<const TargetFlag*> unseen = asked;
   for (const catalogue::Method* method : methods) {
     const catalogue::Evaluation run = evaluator.evaluate(*method);

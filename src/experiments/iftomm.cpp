@@ -1,4 +1,5 @@
-// The IFToMM pendulum A01: the CPU time that it costs to stay near the exact motion for 2000 s.
+// The problems of the IFToMM library: the CPU time that it costs to stay near the exact motion, of the pendulum A01 for
+// 2000 s.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -162,6 +163,50 @@ void measure_best_settings(const Scenario& scenario, report::Table& table, repor
                                                                      : unavailable(meaning, "s", "not reached"));
 }
 
+/// The library's mechanisms, and so many steps of each method: they cost ten times what those of the pendulum do.
+struct MechanismCase {
+  const char* problem;
+  const char* scenario;
+};
+constexpr MechanismCase mechanisms[] = {
+    {"A03 squeezer", "iftomm_squeezer"}, {"A04 Bricard", "iftomm_bricard"}, {"A05 governor", "iftomm_governor"}};
+constexpr double most_steps_mechanism = 20'000;
+constexpr double fewest_rows = 20;
+
+bool is_tried(const Method& method, const Scenario& scenario) {
+  return method.make != nullptr && !method.tells && catalogue::does(method, scenario);
+}
+
+void measure_mechanism(const MechanismCase& one, const Scenario& scenario, report::Table& table, Findings& findings) {
+  const Accuracy accuracy(scenario, scenario.duration_s, std::fmin(0.05, scenario.duration_s / fewest_rows));
+  for (const Method& method : catalogue::methods()) {
+    if (!is_tried(method, scenario)) continue;
+    const Reached reached =
+        search(accuracy, method, ladder_of(accuracy, method, scenario.duration_s, most_steps_mechanism));
+    std::vector<Cell> row{fmt::format("{}, {} s", one.problem, shown(scenario.duration_s)), std::string(method.name)};
+    add_cells(row, accuracy, method, reached);
+    table.rows.push_back(std::move(row));
+    if (method.name != "ode-step-double" && method.name != "ode-rk4-double") continue;
+    const std::string meaning =
+        fmt::format("step of {} that keeps {} within {} rad", method.name, one.problem, asked[1]);
+    findings.add(fmt::format("iftomm.{}_{}", one.scenario, method.name),
+                 reached.setting[1] ? measured(meaning, "s", *reached.setting[1])
+                                    : unavailable(meaning, "s", best_seen(method, reached.best)));
+  }
+}
+
+/// What `list` has of them: without Simbody none.
+report::Table table_of_mechanisms(Laboratory& laboratory, Findings& findings) {
+  report::Table table{
+      .name = "iftomm-mechanisms",
+      .columns = {"problem", "method", "within 0.1 rad, CPU s", "with", "within 0.001 rad, CPU s", "with"}};
+  for (const MechanismCase& one : mechanisms) {
+    if (available("mechanism-cvode") == nullptr) break;
+    measure_mechanism(one, laboratory.scenario(one.scenario), table, findings);
+  }
+  return table;
+}
+
 }  // namespace
 
 Content iftomm(Laboratory& laboratory, Findings& findings) {
@@ -179,9 +224,11 @@ Content iftomm(Laboratory& laboratory, Findings& findings) {
                     {"most_cartesian", most_steps_cartesian},
                     {"most_generalized", most_steps_generalized},
                     {"most_best", scenario.duration_s / accuracy.row_spacing_s() * best_settings_steps_a_row[1]},
-                    {"known", shown(accuracy.uncertainty())}};
+                    {"known", shown(accuracy.uncertainty())},
+                    {"most_mechanism", most_steps_mechanism}};
   content.exhibits.emplace_back(report::Figure{.name = "iftomm-figure", .panels = {std::move(panel)}});
   content.exhibits.emplace_back(std::move(table));
+  content.exhibits.emplace_back(table_of_mechanisms(laboratory, findings));
   return content;
 }
 

@@ -6,6 +6,8 @@
 
 #include "measure/body_columns.hpp"
 #include "measure/greater.hpp"
+#include "measure/unwrap.hpp"
+#include "odeval/ways.hpp"
 
 namespace odeval {
 namespace {
@@ -128,7 +130,7 @@ class JointHalves {
 /// Fills the columns of a trace, one sample after the other.
 class BodyReader {
  public:
-  BodyReader(const Scenario& scenario, Trace& trace, std::size_t rows)
+  BodyReader(const Scenario& scenario, Trace& trace, std::size_t rows, std::size_t works)
       : scenario_(scenario),
         mechanism_(scenario.mechanism),
         trace_(trace),
@@ -142,11 +144,13 @@ class BodyReader {
     if (ground_ != nullptr) trace.penetration.resize(rows);
     if (!mechanism_.joints.empty()) trace.gap.resize(rows);
     trace.long_axis_spin.assign(mechanism_.bodies.size(), Column(rows));
+    trace.works.assign(works, Column(rows));
   }
 
   void read(std::size_t k, const ConstSample& sample) {
     for (std::size_t i = 0; i < mechanism_.bodies.size(); ++i) read_body(k, i, sample);
     if (!mechanism_.joints.empty()) trace_.gap[k] = largest_gap(sample.bodies);
+    for (std::size_t i = 0; i < trace_.works.size(); ++i) trace_.works[i][k] = sample.works[i];
     trace_.contacts[k] = sample.contacts;
   }
 
@@ -187,15 +191,89 @@ class BodyReader {
   std::vector<JointHalves> halves_;
 };
 
+/// The change of the energy that no work accounts for.
+void close_books(Trace& trace) {
+  if (trace.works.empty()) return;
+  trace.unaccounted.resize(trace.rows());
+  for (std::size_t k = 0; k < trace.rows(); ++k) {
+    double left = trace.kinetic[k] + trace.potential[k] - (trace.kinetic[0] + trace.potential[0]);
+    for (const Column& work : trace.works) left -= work[k];
+    trace.unaccounted[k] = left;
+  }
+}
+
+/// What drives joints along their ways, of those that have one.
+void add_loads(Trace& trace, const Mechanism& mechanism, const Motion& motion) {
+  if (motion.shape().works == 0) return;
+  for (std::size_t j = 0; j < trace.joints.size(); ++j) {
+    if (trace.joints[j].q.empty()) continue;
+    const double sign = sign_in_files(mechanism.joints[j]);
+    for (std::size_t k = 0; k < trace.rows(); ++k) {
+      trace.joints[j].load.push_back(sign * motion[k].joints[j].load + 0.0);  // a zero has no sign
+    }
+  }
+}
+
+BodyState state_of(const BodyColumns& body, std::size_t row) {
+  BodyState state;
+  for (std::size_t d = 0; d < 3; ++d) {
+    state.position[d] = body.position[d][row];
+    state.velocity[d] = body.velocity[d][row];
+    state.spin[d] = body.spin[d][row];
+  }
+  for (std::size_t d = 0; d < 9; ++d) state.rotation[d] = body.rotation[d][row];
+  return state;
+}
+
+/// The next of a joint's rows. An angle goes on from the one before, and from there by the mean of both rates.
+void append_way(JointColumns& columns, const Column& t, Way way, bool turns) {
+  if (turns && !columns.q.empty()) {
+    const std::size_t k = columns.q.size();
+    way.q = unwrap(way.q, columns.q.back() + (t[k] - t[k - 1]) * (columns.qd.back() + way.rate) / 2);
+  }
+  columns.q.push_back(way.q);
+  columns.qd.push_back(way.rate);
+}
+
 }  // namespace
+
+void add_joint_columns(const Scenario& scenario, Trace& trace) {
+  if (!scenario.named || trace.rows() == 0) return;
+  const Mechanism& mechanism = scenario.mechanism;
+  for (const Body& body : mechanism.bodies) trace.body_names.push_back(body.name);
+  for (const Joint& joint : mechanism.joints) trace.joint_names.push_back(joint.name);
+  trace.joints.assign(mechanism.joints.size(), {});
+  std::vector<BodyState> bodies(trace.bodies.size());
+  std::optional<WayReader> ways;
+  std::vector<JointHalves> halves;
+  for (std::size_t k = 0; k < trace.rows(); ++k) {
+    for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i] = state_of(trace.bodies[i], k);
+    if (!ways) {
+      ways.emplace(mechanism, bodies);
+      for (const Joint& joint : mechanism.joints) halves.emplace_back(joint, mechanism.bodies, bodies);
+    }
+    for (std::size_t j = 0; j < trace.joints.size(); ++j) {
+      const Joint& joint = mechanism.joints[j];
+      trace.joints[j].gap.push_back(halves[j].gap(bodies));
+      if (!has_one_way(joint.kind)) continue;
+      const Way way = ways->joint(j, bodies);
+      const double sign = sign_in_files(joint);
+      append_way(trace.joints[j], trace.t, {sign * way.q + 0.0, sign * way.rate + 0.0},
+                 std::holds_alternative<HingeJoint>(joint.kind));
+    }
+  }
+}
 
 Trace body_trace(const Scenario& scenario, const SampleGrid& grid, const Motion& motion) {
   Trace trace;
-  BodyReader reader(scenario, trace, motion.size());
+  BodyReader reader(scenario, trace, motion.size(), motion.shape().works);
   for (std::size_t k = 0; k < motion.size(); ++k) {
     trace.t[k] = grid.time(static_cast<long>(k));
     reader.read(k, motion[k]);
   }
+  close_books(trace);
+  add_joint_columns(scenario, trace);
+  add_loads(trace, scenario.mechanism, motion);
   return trace;
 }
 
@@ -211,6 +289,14 @@ void compare_bodies(Trace& trace, const Reference& reference) {
       trace.error_position[i][k] = std::sqrt(squared_difference(body.position, wanted.position, k));
       const double sine = std::sqrt(squared_difference(body.rotation, wanted.rotation, k) / 8);
       trace.error_turn[i][k] = 2 * std::asin(std::fmin(sine, 1.0));
+    }
+  }
+  if (reference.trace.joints.size() != trace.joints.size()) return;
+  for (std::size_t j = 0; j < trace.joints.size(); ++j) {
+    JointColumns& columns = trace.joints[j];
+    columns.error_q.resize(columns.q.size());
+    for (std::size_t k = 0; k < columns.q.size(); ++k) {
+      columns.error_q[k] = columns.q[k] - reference.trace.joints[j].q[k];
     }
   }
 }

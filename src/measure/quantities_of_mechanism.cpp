@@ -35,6 +35,10 @@ std::optional<double> max_angular_momentum_drift(const Measurement& of) {
   return of.unless_early(largest_of(of.trace.angular_momentum_drift, of.rows));
 }
 
+std::optional<double> max_unaccounted_energy(const Measurement& of) {
+  return of.unless_early(largest_of(of.trace.unaccounted, of.rows));
+}
+
 std::optional<double> max_gap(const Measurement& of) { return largest_of(of.trace.gap, of.rows); }
 
 std::optional<double> max_reaction_error(const Measurement& of) {

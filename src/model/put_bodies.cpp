@@ -126,6 +126,7 @@ void put_bodies(Scenario& scenario, const Description& description) {
   scenario.mechanism = {};
   scenario.impact_views.clear();
   scenario.planar.reset();
+  scenario.named = description.problem->joints;
   std::size_t number = 0;
   for (const BodyTable& table : description.bodies) scenario.mechanism.bodies.push_back(body_of(table, ++number));
   if (description.joint) {

@@ -6,6 +6,7 @@
 
 #include "model/one_line.hpp"
 #include "model/robot_reader.hpp"
+#include "model/sdf_includes.hpp"
 #include "model/toml_tree.hpp"
 #include "model/xml_outline.hpp"
 #include "odeval/error.hpp"
@@ -171,12 +172,13 @@ bool is_robot_file(const std::filesystem::path& file) { return format_of(file) !
 
 Robot read_robot(const std::filesystem::path& file, std::string_view text) {
   const Format& format = *format_of(file);
-  RobotText reading{.file = one_line(file.string()), .text = text};
+  const std::string whole = format.root == "sdf" ? with_includes(file, text) : std::string(text);
+  RobotText reading{.file = one_line(file.string()), .text = whole};
   if (*format.installed == 0) {
     throw UserError(fmt::format("{}: this build reads no {}; install {} and build again", reading.file, format.name,
                                 format.package));
   }
-  const auto outline = xml_outline(reading.file, text);
+  const auto outline = xml_outline(reading.file, whole);
   if (!outline.contains(std::string(format.root))) {
     throw UserError(fmt::format("{}: not {}: its element <{}> is missing", reading.file, format.name, format.root));
   }

@@ -38,7 +38,8 @@ std::string checks_table(const std::vector<CheckRow>& rows) {
     table.add({row.scenario, tolerance.method, tolerance.metric, three_digits(tolerance.until_s),
                with_uncertainty(row.measured, row.reference_uncertainty), three_digits(tolerance.at_least),
                three_digits(tolerance.at_most),
-               verdict_of(row) + (row.suspect.empty() ? "" : "; suspect: " + row.suspect)});
+               verdict_of(row) + (row.reference.empty() ? "" : ", " + row.reference) +
+                   (row.suspect.empty() ? "" : "; suspect: " + row.suspect)});
   }
   const auto count = [&](CheckRow::Verdict verdict) { return std::ranges::count(rows, verdict, &CheckRow::verdict); };
   return table.text() + fmt::format("\n{} tolerances: {} kept, {} failed, {} undecided, {} left out\n", rows.size(),
@@ -58,6 +59,7 @@ std::string checks_json(const std::vector<CheckRow>& rows) {
                     {"at_least", json_of(row.tolerance.at_least)},
                     {"at_most", json_of(row.tolerance.at_most)},
                     {"verdict", verdict_of(row)}});
+    if (!row.reference.empty()) list.back()["reference"] = row.reference;
     if (!row.suspect.empty()) list.back()["suspect"] = row.suspect;
   }
   return list.dump(2) + '\n';

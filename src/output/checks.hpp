@@ -16,6 +16,7 @@ struct CheckRow {
   std::optional<double> measured;  // empty: the metric has no meaning for the run
   std::optional<double> reference_uncertainty;
   Verdict verdict = Verdict::failed;  // undecided: the bound lies within the uncertainty; left_out: not in this build
+  std::string reference{};            // what the reference is, where that is a word of warning; else empty
   std::string suspect{};              // what ODE itself said of the run; empty: nothing
 };
 

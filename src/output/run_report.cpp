@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "odeval/metrics.hpp"
+#include "output/mechanism_report.hpp"
 #include "output/table.hpp"
 
 namespace odeval {
@@ -98,6 +99,7 @@ std::string run_report(const std::vector<RunSummary>& runs, std::span<const doub
   text += reason_lines(runs);
   const auto touched = [](const RunSummary& run) { return !run.outcome.impacts.empty(); };
   if (std::ranges::any_of(runs, touched)) text += "\n" + impacts_table(runs, reference.impacts);
+  text += mechanism_tables(runs, reference.strikes);
   for (const RunSummary& run : runs) {
     if (run.outcome.self_difference) {
       text += fmt::format("\n{}: {} rad between its runs at two step sizes\n", run.method,

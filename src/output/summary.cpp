@@ -9,6 +9,7 @@
 #include "odeval/metrics.hpp"
 #include "output/csv_cell.hpp"
 #include "output/json_number.hpp"
+#include "output/mechanism_report.hpp"
 #include "output/number.hpp"
 
 namespace odeval {
@@ -199,6 +200,7 @@ std::string summary_json(const RunSummary& run) {
   json["at_rest_from"] = outcome.at_rest_from < 0 ? Json() : json_number(outcome.at_rest_from);
   json["impacts"] = Json::array();
   for (const Impact& impact : outcome.impacts) json["impacts"].push_back(json_of(impact));
+  put_parts(json, run);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 

@@ -21,6 +21,21 @@ inline constexpr std::array<double, 5> error_times{1, 2, 3, 5, 10};
 /// The error times that a run of this grid reaches.
 std::vector<double> error_times_within(const SampleGrid& grid);
 
+/// What a joint of a mechanism came to in a run, the largest sizes.
+struct JointSummary {
+  double max_gap = 0;                     // m
+  std::optional<double> max_error = {};   // of its way against the reference, rad or m
+  std::optional<double> max_torque = {};  // along its axis, N m or N
+};
+
+/// Of a mechanism whose parts have names.
+struct PartsSummary {
+  std::vector<JointSummary> joints;  // in the mechanism's order
+  std::optional<Works> works;        // J, until the end; nothing where nobody tells them
+  double energy_gained = 0;          // J, likewise
+  double unaccounted = 0;            // J, likewise
+};
+
 struct RunSummary {
   Scenario scenario;  // with the command line's settings in place
   SampleGrid grid;
@@ -38,6 +53,7 @@ struct RunSummary {
   std::vector<Metrics> error_at;  // one per error time within the run
   std::string reference;          // how it was solved; empty without one
   NamedTexts versions;
+  PartsSummary parts;
 };
 
 /// Why not to believe a run that ODE itself complained of: "736 messages of ODE (LCP internal error)". Empty: it did

@@ -10,6 +10,7 @@
 
 #include "odeval/quantity.hpp"
 #include "odeval/trace.hpp"
+#include "odeval/work.hpp"
 
 namespace odeval {
 
@@ -28,12 +29,20 @@ inline Column energy_drift_of(const Trace& trace) {
   return drift;
 }
 
-/// Where a column stands in a trace, and with that how files call it.
+/// A kind of work, J.
+template <Work kind>
+Column work_of(const Trace& trace) {
+  return trace.works.empty() ? Column() : trace.works[static_cast<std::size_t>(kind)];
+}
+
+/// Where a column stands in a trace, and with that how files call it. Where bodies and joints have names (ARM, ELBOW),
+/// these stand in the place of numbers.
 using ColumnPlace = std::variant<Column Trace::*,                       // of the whole mechanism: NAME
                                  Column (*)(const Trace&),              // the same, made from others
-                                 std::vector<Column> Trace::*,          // of joint coordinate or body i: NAMEi
-                                 std::array<Column, 3> BodyColumns::*,  // of a vector of body i: NAMExi, NAMEyi, NAMEzi
-                                 std::array<Column, 9> BodyColumns::*>;  // of a matrix of body i, by rows: NAMEi11...
+                                 std::vector<Column> Trace::*,          // of coordinate or body i: NAMEi, ARM.NAME
+                                 std::array<Column, 3> BodyColumns::*,  // a vector of body i: NAMExi..., ARM.NAMEx...
+                                 std::array<Column, 9> BodyColumns::*,  // a matrix by rows: NAMEi11..., ARM.NAME11...
+                                 Column JointColumns::*>;               // of a joint: ELBOW.NAME
 
 /// A row of the table. A column that a trace does not have is in no file.
 struct TraceColumn {
@@ -44,7 +53,8 @@ struct TraceColumn {
   bool exact = false;                            // given or counted: two runs that are the same have the same
 };
 
-/// In the order of the file, which has all vectors and matrices of body 1 before those of body 2.
+/// In the order of the file, which has all vectors and matrices of body 1 before those of body 2, and all of joints at
+/// the end.
 // clang-format off
 inline constexpr TraceColumn trace_columns[] = {
     {"t",                      "s",     &Trace::t, quantity::none, true},
@@ -54,6 +64,14 @@ inline constexpr TraceColumn trace_columns[] = {
     {"potential",              "J",     &Trace::potential},
     {"energy",                 "J",     energy_of},
     {"energy_drift",           "J",     energy_drift_of},
+    {"work_motors",            "J",     work_of<Work::motors>},
+    {"work_stops",             "J",     work_of<Work::stops>},
+    {"work_springs",           "J",     work_of<Work::springs>},
+    {"work_dampers",           "J",     work_of<Work::dampers>},
+    {"work_torques",           "J",     work_of<Work::torques>},
+    {"work_controllers",       "J",     work_of<Work::controllers>},
+    {"work_contacts",          "J",     work_of<Work::contacts>},
+    {"unaccounted",            "J",     &Trace::unaccounted},
     {"gap",                    "m",     &Trace::gap},
     {"out_of_plane",           "m",     &Trace::out_of_plane},
     {"error_q",                "rad",   &Trace::error_q, quantity::reference_uncertainty},
@@ -69,6 +87,11 @@ inline constexpr TraceColumn trace_columns[] = {
     {"v",                      "m/s",   &BodyColumns::velocity},
     {"w",                      "rad/s", &BodyColumns::spin},
     {"f",                      "N",     &BodyColumns::joint_force},
+    {"q",                      "rad or m", &JointColumns::q},
+    {"qd",                     "rad/s or m/s", &JointColumns::qd},
+    {"torque",                 "N m or N", &JointColumns::load},
+    {"gap",                    "m",     &JointColumns::gap},
+    {"error_q",                "rad or m", &JointColumns::error_q},
 };
 // clang-format on
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <optional>
 
 #include "odeval/error.hpp"
 #include "output/file.hpp"
@@ -12,6 +13,14 @@
 namespace odeval {
 
 namespace {
+
+/// What a file calls a column of a body, by number or by name: "vx2" or "arm.vx"; of a matrix "r211" or "arm.r11".
+std::string cell_of(const std::vector<std::string>& names, const std::string& column, std::size_t body,
+                    std::optional<std::size_t> entry = {}) {
+  const std::string place = entry ? fmt::format("{}{}", *entry / 3 + 1, *entry % 3 + 1) : "";
+  if (names.empty()) return fmt::format("{}{}{}", column, body + 1, place);
+  return body < names.size() ? fmt::format("{}.{}{}", names[body], column, place) : "";
+}
 
 /// The columns of a trace in the order of the file.
 class Layout {
@@ -23,6 +32,11 @@ class Layout {
     for (std::size_t body = 0; body < trace.bodies.size(); ++body) {
       for (const TraceColumn& row : trace_columns) {
         std::visit([&](auto place) { add_of_body(std::string(row.name), body, place); }, row.place);
+      }
+    }
+    for (std::size_t joint = 0; joint < trace.joints.size(); ++joint) {
+      for (const TraceColumn& row : trace_columns) {
+        std::visit([&](auto place) { add_of_joint(row.name, joint, place); }, row.place);
       }
     }
   }
@@ -46,24 +60,27 @@ class Layout {
   }
   void add_of_trace(const std::string& name, std::vector<Column> Trace::*place) {
     std::size_t number = 0;
-    for (const Column& column : trace_.*place) add(name + std::to_string(++number), column);
-  }
-  template <std::size_t size>
-  void add_of_trace(const std::string&, std::array<Column, size> BodyColumns::*) {}  // body by body
-
-  void add_of_body(const std::string& name, std::size_t body, std::array<Column, 3> BodyColumns::*place) {
-    const auto& [x, y, z] = trace_.bodies[body].*place;
-    const std::string number = std::to_string(body + 1);
-    add(name + "x" + number, x);
-    add(name + "y" + number, y);
-    add(name + "z" + number, z);
-  }
-  void add_of_body(const std::string& name, std::size_t body, std::array<Column, 9> BodyColumns::*place) {
-    const std::array<Column, 9>& entries = trace_.bodies[body].*place;
-    for (std::size_t d = 0; d < 9; ++d) add(fmt::format("{}{}{}{}", name, body + 1, d / 3 + 1, d % 3 + 1), entries[d]);
+    for (const Column& column : trace_.*place) add(cell_of(trace_.body_names, name, number++), column);
   }
   template <class Place>
-  void add_of_body(const std::string&, std::size_t, Place) {}  // of the trace
+  void add_of_trace(const std::string&, Place) {}  // body by body, joint by joint
+
+  void add_of_body(const std::string& name, std::size_t body, std::array<Column, 3> BodyColumns::*place) {
+    for (std::size_t d = 0; d < 3; ++d) {
+      add(cell_of(trace_.body_names, name + "xyz"[d], body), (trace_.bodies[body].*place)[d]);
+    }
+  }
+  void add_of_body(const std::string& name, std::size_t body, std::array<Column, 9> BodyColumns::*place) {
+    for (std::size_t d = 0; d < 9; ++d) add(cell_of(trace_.body_names, name, body, d), (trace_.bodies[body].*place)[d]);
+  }
+  template <class Place>
+  void add_of_body(const std::string&, std::size_t, Place) {}  // of the trace, or of a joint
+
+  void add_of_joint(std::string_view name, std::size_t joint, Column JointColumns::*place) {
+    add(fmt::format("{}.{}", trace_.joint_names[joint], name), trace_.joints[joint].*place);
+  }
+  template <class Place>
+  void add_of_joint(std::string_view, std::size_t, Place) {}  // of the trace, or of a body
 
   const Trace& trace_;
   std::vector<Column> made_;
@@ -75,6 +92,9 @@ class Layout {
 class Unlayout {
  public:
   explicit Unlayout(const CsvColumns& table) : table_(table) {
+    trace_.body_names = names_before(".x");
+    trace_.joint_names = names_before(".gap");
+    trace_.joints.resize(trace_.joint_names.size());
     for (const TraceColumn& row : trace_columns) {
       std::visit([&](auto place) { take_of_trace(std::string(row.name), place); }, row.place);
     }
@@ -88,14 +108,28 @@ class Unlayout {
       trace_.bodies.pop_back();
       break;
     }
+    for (std::size_t joint = 0; joint < trace_.joints.size(); ++joint) {
+      for (const TraceColumn& row : trace_columns) {
+        std::visit([&](auto place) { take_of_joint(row.name, joint, place); }, row.place);
+      }
+    }
   }
 
   Trace trace() && { return std::move(trace_); }
 
  private:
+  /// Of the cells that end so, in their order.
+  std::vector<std::string> names_before(std::string_view end) const {
+    std::vector<std::string> names;
+    for (const std::string& cell : table_.header) {
+      if (cell.ends_with(end)) names.push_back(cell.substr(0, cell.size() - end.size()));
+    }
+    return names;
+  }
+
   bool take(const std::string& name, Column& column) {
     const auto found = std::ranges::find(table_.header, name);
-    if (found == table_.header.end()) return false;
+    if (name.empty() || found == table_.header.end()) return false;
     column = table_.columns[static_cast<std::size_t>(found - table_.header.begin())];
     found_ = true;
     return true;
@@ -104,7 +138,7 @@ class Unlayout {
   void take_of_trace(const std::string& name, Column Trace::*place) { take(name, trace_.*place); }
   void take_of_trace(const std::string& name, std::vector<Column> Trace::*place) {
     Column column;
-    while (take(name + std::to_string((trace_.*place).size() + 1), column)) {
+    while (take(cell_of(trace_.body_names, name, (trace_.*place).size()), column)) {
       (trace_.*place).push_back(std::move(column));
     }
   }
@@ -113,16 +147,22 @@ class Unlayout {
 
   void take_of_body(const std::string& name, std::size_t body, std::array<Column, 3> BodyColumns::*place) {
     for (std::size_t d = 0; d < 3; ++d) {
-      take(name + "xyz"[d] + std::to_string(body + 1), (trace_.bodies[body].*place)[d]);
+      take(cell_of(trace_.body_names, name + "xyz"[d], body), (trace_.bodies[body].*place)[d]);
     }
   }
   void take_of_body(const std::string& name, std::size_t body, std::array<Column, 9> BodyColumns::*place) {
     for (std::size_t d = 0; d < 9; ++d) {
-      take(fmt::format("{}{}{}{}", name, body + 1, d / 3 + 1, d % 3 + 1), (trace_.bodies[body].*place)[d]);
+      take(cell_of(trace_.body_names, name, body, d), (trace_.bodies[body].*place)[d]);
     }
   }
   template <class Place>
-  void take_of_body(const std::string&, std::size_t, Place) {}  // of the trace
+  void take_of_body(const std::string&, std::size_t, Place) {}  // of the trace, or of a joint
+
+  void take_of_joint(std::string_view name, std::size_t joint, Column JointColumns::*place) {
+    take(fmt::format("{}.{}", trace_.joint_names[joint], name), trace_.joints[joint].*place);
+  }
+  template <class Place>
+  void take_of_joint(std::string_view, std::size_t, Place) {}  // of the trace, or of a body
 
   const CsvColumns& table_;
   Trace trace_;
@@ -133,14 +173,24 @@ bool is_number(std::string_view text, std::size_t digits) {
   return text.size() >= digits && text.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-/// Whether what follows the name in a file's header is what the place makes it.
-bool follows(std::string_view rest, Column Trace::*) { return rest.empty(); }
-bool follows(std::string_view rest, Column (*)(const Trace&)) { return rest.empty(); }
-bool follows(std::string_view rest, std::vector<Column> Trace::*) { return is_number(rest, 1); }
-bool follows(std::string_view rest, std::array<Column, 3> BodyColumns::*) {
-  return !rest.empty() && rest[0] >= 'x' && rest[0] <= 'z' && is_number(rest.substr(1), 1);
-}
-bool follows(std::string_view rest, std::array<Column, 9> BodyColumns::*) { return is_number(rest, 3); }
+/// Whether what follows the name in a file's header is what the place makes it. Of a cell that begins with the name of
+/// a body or a joint, what follows that.
+struct Follows {
+  std::string_view rest;
+  bool named;
+
+  bool operator()(Column Trace::*) const { return !named && rest.empty(); }
+  bool operator()(Column (*)(const Trace&)) const { return !named && rest.empty(); }
+  bool operator()(std::vector<Column> Trace::*) const { return named ? rest.empty() : is_number(rest, 1); }
+  bool operator()(std::array<Column, 3> BodyColumns::*) const {
+    if (rest.empty() || rest[0] < 'x' || rest[0] > 'z') return false;
+    return named ? rest.size() == 1 : is_number(rest.substr(1), 1);
+  }
+  bool operator()(std::array<Column, 9> BodyColumns::*) const {
+    return named ? rest.size() == 2 && is_number(rest, 2) : is_number(rest, 3);
+  }
+  bool operator()(Column JointColumns::*) const { return named && rest.empty(); }
+};
 
 std::string_view next_line(std::string_view& text) {
   const std::size_t end = std::min(text.find('\n'), text.size());
@@ -162,12 +212,16 @@ std::string_view next_cell(std::string_view& line, bool& more) {
 }  // namespace
 
 const TraceColumn* trace_column_of(std::string_view cell) {
+  const std::size_t dot = cell.rfind('.');
+  const bool named = dot != std::string_view::npos;
+  if (named) cell.remove_prefix(dot + 1);
+  // A joint has a q of its own, which a body has not: the last row of a name is that of joints.
+  const TraceColumn* found = nullptr;
   for (const TraceColumn& row : trace_columns) {
     if (!cell.starts_with(row.name)) continue;
-    const std::string_view rest = cell.substr(row.name.size());
-    if (std::visit([&](auto place) { return follows(rest, place); }, row.place)) return &row;
+    if (std::visit(Follows{cell.substr(row.name.size()), named}, row.place)) found = &row;
   }
-  return nullptr;
+  return found;
 }
 
 void put_trace_csv(const Trace& trace, const std::function<void(std::string_view)>& put) {

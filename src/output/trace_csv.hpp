@@ -17,7 +17,8 @@ std::string trace_csv(const Trace& trace);
 /// The same, line by line: a file of megabytes is never whole in memory.
 void put_trace_csv(const Trace& trace, const std::function<void(std::string_view)>& put);
 
-/// The table's row of a cell of that header: "gap", "q2", "vx1", "r1211". Null: no trace has such a column.
+/// The table's row of a cell of that header: "gap", "q2", "vx1", "r1211", "arm.vx", "elbow.q". Null: no trace has such
+/// a column.
 const TraceColumn* trace_column_of(std::string_view cell);
 
 /// A file of numbers under a header row.

@@ -37,7 +37,7 @@ std::string_view status_name(Status status);
 /// What a run left.
 struct Row {
   Status status = Status::ok;
-  std::string reason;  // why not ok
+  std::string reason;  // why not ok, or not to be taken for more than it is
   long cpu_us = 0;     // of the stepping, or the time after which a run was given up; no part of the table
   std::string cells;   // the columns' values as CSV; empty when the run did not get that far
 

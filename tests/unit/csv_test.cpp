@@ -103,6 +103,44 @@ void columns_stand_in_their_order() {
   CHECK_EQUAL(table.columns[8][1], 2.0);      // energy_drift
 }
 
+/// The same of a mechanism whose parts have names, with a joint that has a way and one that has none.
+Trace named_trace() {
+  Trace trace = numbered_trace(2, true, false);
+  trace.q.clear();
+  trace.qd.clear();
+  trace.body_names = {"arm", "fore.arm"};
+  trace.joint_names = {"arm", "wrist"};  // a joint may have a body's name
+  const Column numbers{0.25, 0.5};
+  trace.joints = {{numbers, {1, 2}, {3, 4}, {5, 6}, {7, 8}}, {numbers, {}, {}, {}, {}}};
+  trace.works.assign(work_names.size(), {0, 9});
+  trace.unaccounted = {0, 10};
+  trace.error_position = {{11, 12}, {13, 14}};
+  return trace;
+}
+
+void parts_are_called_by_their_names() {
+  const std::string text = trace_csv(named_trace());
+  CHECK_EQUAL(text.substr(0, text.find('\n')),
+              "t,kinetic,potential,energy,energy_drift,work_motors,work_stops,work_springs,work_dampers,work_torques,"
+              "work_controllers,work_contacts,unaccounted,gap,out_of_plane,arm.error_position,fore.arm.error_position,"
+              "contacts,condition,manipulability,"
+              "arm.x,arm.y,arm.z,arm.r11,arm.r12,arm.r13,arm.r21,arm.r22,arm.r23,arm.r31,arm.r32,arm.r33,arm.vx,arm.vy,"
+              "arm.vz,arm.wx,arm.wy,arm.wz,arm.fx,arm.fy,arm.fz,"
+              "fore.arm.x,fore.arm.y,fore.arm.z,fore.arm.r11,fore.arm.r12,fore.arm.r13,fore.arm.r21,fore.arm.r22,"
+              "fore.arm.r23,fore.arm.r31,fore.arm.r32,fore.arm.r33,fore.arm.vx,fore.arm.vy,fore.arm.vz,fore.arm.wx,"
+              "fore.arm.wy,fore.arm.wz,fore.arm.fx,fore.arm.fy,fore.arm.fz,"
+              "arm.q,arm.qd,arm.torque,arm.gap,arm.error_q,wrist.gap");
+  const Trace back = trace_of(parse_csv(text, "text"));
+  CHECK(back.body_names == named_trace().body_names && back.joint_names == named_trace().joint_names);
+  CHECK(back.joints[0].load == named_trace().joints[0].load && back.joints[1].q.empty());
+  CHECK(back.bodies[1].spin == named_trace().bodies[1].spin && back.error_position == named_trace().error_position);
+  CHECK_EQUAL(trace_column_of("arm.q")->unit, "rad or m");
+  CHECK_EQUAL(trace_column_of("fore.arm.vx")->unit, "m/s");
+  for (const char* other : {"arm.", "arm.x1", "arm.contacts", "arm.r1", "arm.work_motors", ".arm", "arm"}) {
+    CHECK(trace_column_of(other) == nullptr);
+  }
+}
+
 // Whoever reads a file finds the table's row of each of its columns, of body 12 as well, and none for other words.
 void columns_are_known_by_their_names() {
   Trace trace = numbered_trace(12, true, true);
@@ -113,6 +151,10 @@ void columns_are_known_by_their_names() {
     const TraceColumn* const row = trace_column_of(name);
     CHECK(row != nullptr && name.starts_with(row->name));
     seen.insert(row);
+  }
+  for (const std::string& name : parse_csv(trace_csv(named_trace()), "text").header) {
+    CHECK(trace_column_of(name) != nullptr);
+    seen.insert(trace_column_of(name));
   }
   CHECK_EQUAL(seen.size(), std::size(trace_columns));
   const auto row = [](const char* name) { return trace_column_of(name)->name; };
@@ -161,6 +203,7 @@ int main() {
   numbers_come_back_bit_for_bit();
   numbers_are_short();
   columns_stand_in_their_order();
+  parts_are_called_by_their_names();
   columns_are_known_by_their_names();
   locale_does_not_matter();
   broken_files_are_refused();

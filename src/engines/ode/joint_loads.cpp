@@ -37,23 +37,30 @@ void JointLoads::add(dBodyID first, dBodyID second, const Strut& strut) {
   struts_.push_back({first, second, strut, {in_body(first, strut.first_end_m), in_body(second, strut.second_end_m)}});
 }
 
-// Ends that meet have no line between them.
-void JointLoads::apply(const Ends& ends) {
+JointLoads::Line JointLoads::line_of(const Ends& ends) {
   const Moving a = moving(ends.first, ends.at[0]);
   const Moving b = moving(ends.second, ends.at[1]);
+  Line line{{a.place, b.place}};
   const Vec3 between = b.place - a.place;
-  const double long_m = length(between);
-  if (long_m == 0) return;
-  const Vec3 along = (1 / long_m) * between;
-  const double pull = ends.strut.stiffness_N_m * (long_m - ends.strut.rest_m) +
-                      ends.strut.damping_Ns_m * dot(along, b.velocity - a.velocity);
+  line.long_m = length(between);
+  if (line.long_m == 0) return line;
+  line.along = (1 / line.long_m) * between;
+  line.longer_m_s = dot(line.along, b.velocity - a.velocity);
+  return line;
+}
+
+void JointLoads::apply(const Ends& ends) {
+  const Line line = line_of(ends);
+  if (line.long_m == 0) return;
+  const double pull =
+      ends.strut.stiffness_N_m * (line.long_m - ends.strut.rest_m) + ends.strut.damping_Ns_m * line.longer_m_s;
   const auto add = [&](dBodyID body, double force, const Vec3& at) {
     if (body == nullptr) return;
-    dBodyAddForceAtPos(body, real(force * along[0]), real(force * along[1]), real(force * along[2]), real(at[0]),
-                       real(at[1]), real(at[2]));
+    const auto& [x, y, z] = line.along;
+    dBodyAddForceAtPos(body, real(force * x), real(force * y), real(force * z), real(at[0]), real(at[1]), real(at[2]));
   };
-  add(ends.first, pull, a.place);
-  add(ends.second, -pull, b.place);
+  add(ends.first, pull, line.ends[0]);
+  add(ends.second, -pull, line.ends[1]);
 }
 
 void JointLoads::add(dJointID made, const Joint& joint) {
@@ -77,6 +84,11 @@ void JointLoads::apply(double t) const {
     }
   }
   for (const Ends& ends : struts_) apply(ends);
+}
+
+Works JointLoads::by_kind(std::size_t load, double t) const {
+  const Load& of = loads_[load];
+  return loads_by_kind(of.joint, t, way(of), rate(of), of.held);
 }
 
 // Less than half a turn a step, so the nearest branch is the right one.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "odeval/mechanism.hpp"
+#include "odeval/work.hpp"
 
 namespace odeval::engine_ode {
 
@@ -21,6 +22,19 @@ class JointLoads {
   void sample(double t);
   /// Adds all loads to the bodies as they stand at a time of the step.
   void apply(double t) const;
+
+  /// Of the joints that were added and have loads, in that order: what is added at a time, by kinds.
+  Works by_kind(std::size_t load, double t) const;
+  /// Likewise: where the joint stands.
+  double way_of(std::size_t load) const { return way(loads_[load]); }
+  /// Calls with each strut's number, its ends, the direction from the first to the second and the pull of its damper.
+  template <class Take>
+  void each_strut(const Take& take) const {
+    for (std::size_t i = 0; i < struts_.size(); ++i) {
+      const Line line = line_of(struts_[i]);
+      if (line.long_m > 0) take(i, line.ends, line.along, struts_[i].strut.damping_Ns_m * line.longer_m_s);
+    }
+  }
 
  private:
   struct Load {
@@ -39,6 +53,14 @@ class JointLoads {
     Strut strut;
     std::array<Vec3, 2> at;  // in the bodies
   };
+  /// The line between the ends as they are; ends that meet have none.
+  struct Line {
+    std::array<Vec3, 2> ends;
+    Vec3 along{};  // unit, from the first to the second
+    double long_m = 0;
+    double longer_m_s = 0;  // how fast it becomes so
+  };
+  static Line line_of(const Ends& ends);
   static void apply(const Ends& ends);
 
   std::vector<Load> loads_;

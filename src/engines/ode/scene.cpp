@@ -125,6 +125,7 @@ void Scene::add_joint(const Joint& joint, dJointID made) {
   dJointFeedback& feedback = *feedback_.emplace_back(std::make_unique<dJointFeedback>());
   dJointSetFeedback(made, &feedback);
   joint_forces_.push_back(joint.second ? feedback.f2 : feedback.f1);
+  joints_.push_back(made);
   loads_.add(made, joint);
 }
 
@@ -157,6 +158,7 @@ const Surface* Scene::surface_between(dGeomID first, dGeomID second) const {
 void Scene::collide() {
   contacts_ = 0;
   depth_ = 0;
+  touches_.clear();
   dSpaceCollide(space_, this, &near_callback);
 }
 
@@ -180,6 +182,7 @@ void Scene::near_callback(void* data, dGeomID first, dGeomID second) {
     if (surface->along_sliding) lay_along_sliding(contact, body1, body2);
     const dJointID joint = dJointCreateContact(scene.world_, scene.contact_group_, &contact);
     dJointAttach(joint, body1, body2);
+    if (scene.keeps_touches_) dJointSetFeedback(joint, &scene.touches_.emplace_back(Touch{body1, body2}).feedback);
     scene.depth_ = std::max(scene.depth_, static_cast<double>(found[i].depth));
   }
   scene.contacts_ += count;

@@ -2,6 +2,7 @@
 // An ODE world with all its settings, and the contacts of its present pose.
 #include <ode/ode.h>
 
+#include <deque>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -28,6 +29,13 @@ struct Surface {
   bool along_sliding = false;  // friction acts along the way a contact slides, and across
 };
 
+/// A contact of the last step, and what it gave.
+struct Touch {
+  dBodyID first;
+  dBodyID second;  // either may be null: the world
+  dJointFeedback feedback{};
+};
+
 /// Owns a world with a mechanism's bodies, joints and obstacles. Pinned in memory: ODE keeps pointers to it.
 class Scene {
  public:
@@ -44,6 +52,10 @@ class Scene {
   /// Of each joint on the body that it carries (Joint::carried), N, as of the last step.
   const std::vector<const dReal*>& joint_forces() const { return joint_forces_; }
 
+  /// Of a joint of the mechanism.
+  dJointID joint(std::size_t number) const { return joints_[number]; }
+  const dJointFeedback& feedback(std::size_t number) const { return *feedback_[number]; }
+
   /// What acts on joints; empty where nothing does.
   JointLoads& loads() { return loads_; }
 
@@ -56,6 +68,11 @@ class Scene {
   void clear_contacts() { dJointGroupEmpty(contact_group_); }
   int contacts() const { return contacts_; }
   double depth() const { return depth_; }  // m, of the deepest contact
+
+  /// From now on contacts tell what they give.
+  void keep_touches() { keeps_touches_ = true; }
+  /// Those that were found last.
+  const std::deque<Touch>& touches() const { return touches_; }
 
   /// After a Fault: forget the world without touching it again.
   void abandon();
@@ -76,6 +93,9 @@ class Scene {
   std::vector<BodyView> bodies_;
   std::vector<std::unique_ptr<dJointFeedback>> feedback_;  // ODE keeps pointers to them
   std::vector<const dReal*> joint_forces_;
+  std::vector<dJointID> joints_;
+  bool keeps_touches_ = false;
+  std::deque<Touch> touches_;  // ODE keeps pointers to them
   JointLoads loads_;
   std::vector<std::string> names_;       // of geoms, by number
   std::vector<Surface> surfaces_;        // one a contact of the mechanism

@@ -12,7 +12,9 @@ SteppedSimulation::SteppedSimulation(const Scenario& scenario, const SampleGrid&
       scene_(scenario),
       angles_(scenario, scene_),
       impacts_(scenario, scene_, angles_),
-      touching_(!scenario.mechanism.contacts.empty()) {}
+      touching_(!scenario.mechanism.contacts.empty()) {
+  if (scenario.named && step != nullptr) ledger_.emplace(scenario, scene_);
+}
 
 SteppedSimulation::SteppedSimulation(const Scenario& scenario, const SampleGrid& grid, MakeStepper make_stepper)
     : SteppedSimulation(scenario, grid, StepFunction{}) {
@@ -33,6 +35,10 @@ SteppedSimulation::SteppedSimulation(const Scenario& scenario, const SampleGrid&
   };
   world.after_impact = [this] { impacts_.end(); };
   stepper_ = make_stepper(world);
+}
+
+SampleShape SteppedSimulation::shape() const {
+  return {scene_.bodies().size(), scene_.joint_forces().size(), 0, ledger_ ? work_names.size() : 0};
 }
 
 Outcome SteppedSimulation::run(Recorder recorder) {
@@ -56,19 +62,21 @@ Outcome SteppedSimulation::run(Recorder recorder) {
   outcome.messages = messages.count;
   outcome.first_message = std::move(messages.first);
   outcome.impacts = impacts_.take();
+  if (recorder && ledger_) ledger_->tell(outcome);
   return outcome;
 }
 
 void SteppedSimulation::move(Recorder& recorder, Outcome& outcome) {
   for (long row = 1; row < grid_.rows; ++row) {
     for (long k = 0; k < grid_.stride; ++k) {
-      step_once(outcome.steps);
+      step_once(outcome.steps, static_cast<bool>(recorder));
       if (!finite()) throw Fault("a velocity or its square left the finite numbers");
       ++outcome.steps;
       if (!recorder) continue;
       angles_.follow();
       // No step led to t = 0: its sample shows the forces of the first step.
       if (outcome.steps == 1) record_forces(recorder.at(0));
+      if (outcome.steps == 1 && ledger_) ledger_->record_loads(recorder.at(0));
     }
     if (recorder) record(recorder.next());
   }
@@ -78,7 +86,7 @@ std::string SteppedSimulation::when(const std::exception& what, const Outcome& o
   return what.what() + std::string(" in the step from t = ") + std::to_string(time_of(outcome.steps)) + " s";
 }
 
-void SteppedSimulation::step_once(long steps_done) {
+void SteppedSimulation::step_once(long steps_done, bool recorded) {
   if (!scene_.loads().empty()) scene_.loads().sample(time_of(steps_done));
   if (stepper_) {
     contacts_ = 0;
@@ -88,22 +96,25 @@ void SteppedSimulation::step_once(long steps_done) {
   }
   if (!scene_.loads().empty()) scene_.loads().apply(time_of(steps_done));
   if (touching_) {
-    step_with_contacts(steps_done);
+    step_with_contacts(steps_done, recorded);
   } else {
-    step_world();
+    step_world(steps_done, recorded);
   }
 }
 
 // ODE steps nothing and says so by 0 when it cannot get the memory for its matrices.
-void SteppedSimulation::step_world() {
+void SteppedSimulation::step_world(long steps_done, bool recorded) {
+  const bool told = recorded && ledger_;
+  if (told) ledger_->before_step(time_of(steps_done));
   if (step_(scene_.world(), static_cast<dReal>(grid_.step_s)) == 0) throw MachineError("ODE: no memory for a step");
+  if (told) ledger_->after_step();
 }
 
-void SteppedSimulation::step_with_contacts(long steps_done) {
+void SteppedSimulation::step_with_contacts(long steps_done, bool recorded) {
   scene_.collide();
   contacts_ = scene_.contacts();
   impacts_.before_step(time_of(steps_done));
-  step_world();
+  step_world(steps_done, recorded);
   scene_.clear_contacts();
   impacts_.after_step();
 }
@@ -121,7 +132,7 @@ bool SteppedSimulation::finite() const {
   return sum < 1e290;
 }
 
-void SteppedSimulation::record(Sample sample) const {
+void SteppedSimulation::record(Sample sample) {
   const std::vector<BodyView>& bodies = scene_.bodies();
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const BodyView& body = bodies[i];
@@ -138,6 +149,7 @@ void SteppedSimulation::record(Sample sample) const {
   }
   record_forces(sample);
   sample.contacts = contacts_;
+  if (ledger_) ledger_->record(sample);
 }
 
 void SteppedSimulation::record_forces(Sample sample) const {
