@@ -8,12 +8,12 @@
 #include <string_view>
 
 #include "catalogue/paths.hpp"
+#include "catalogue/self_converged.hpp"
 #include "model/find_scenario.hpp"
 #include "model/scenario_keys.hpp"
 #include "odeval/error.hpp"
 #include "odeval/metrics.hpp"
 #include "output/number.hpp"
-#include "reference/providers.hpp"
 
 namespace odeval::cli {
 namespace {
@@ -202,7 +202,7 @@ std::vector<std::string> shipped_scenarios() {
   std::erase_if(names, [&](const std::string& name) {
     const Scenario scenario = read_scenario(find_scenario(name, folder), {}, known_names());
     try {
-      reference::provider_for(scenario);
+      catalogue::provider_of(scenario);
       return false;
     } catch (const UserError& why) {
       std::cerr << "odeval: " << name << ": left out: " << why.what() << '\n';
