@@ -130,6 +130,32 @@ void check_closed_form(const Gears& gears) {
   CHECK_BETWEEN(order(coarse, fine, 2), 0.9, 1.1);
 }
 
+/// Wheels whose bodies have their centres beside the axes go round evenly without forces, as any would.
+void check_off_centre(const Gears& gears) {
+  constexpr double spin = 3, h = 1e-3;
+  World world{Vector3d::Zero()};
+  std::vector<dBodyID> wheels;
+  const auto wheel = [&](const Vector3d& at, const Vector3d& axis, double turns) {
+    const Vector3d off = 0.25 * axis.unitOrthogonal() + 0.1 * axis, turning = turns * spin * axis;
+    const dBodyID body = world.box(2, {0.1, 0.3, 0.2}, at + off);
+    world.hinge(body, nullptr, at, axis);
+    World::move(body, turning.cross(off), turning);
+    wheels.push_back(body);
+  };
+  wheel(gears.at_1, gears.axis_1, 1);
+  wheel(gears.at_2, gears.axis_2, gears.turns);
+  gears.mesh(world, wheels[0], wheels[1]);
+  AccurateStep step(world.id, world.space);
+  double worst = 0;
+  for (int k = 0; k < 1000; ++k) {
+    step(h);
+    worst = std::max(worst, std::fabs(vec(dBodyGetAngularVel(wheels[0])).dot(gears.axis_1) - spin));
+    worst = std::max(worst, std::fabs(vec(dBodyGetAngularVel(wheels[1])).dot(gears.axis_2) - gears.turns * spin));
+  }
+  std::printf("%s, wheels off their bodies' centres: spin off by %.2g of %.0f rad/s\n", gears.name, worst, spin);
+  CHECK_BETWEEN(worst, 0, 1e-9);
+}
+
 /// On a frame that tumbles with them in free space.
 struct Tumbling {
   explicit Tumbling(const Gears& gears) : gears_(gears) {
@@ -241,6 +267,7 @@ void check_change() {
 int main() {
   for (const Gears& gears : {parallel, chain, bevel}) {
     check_closed_form(gears);
+    check_off_centre(gears);
     check_tumbling(gears);
   }
   check_refused();

@@ -1,12 +1,7 @@
 #include "engines/ode_rk4/motion.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <complex>
-#include <limits>
-
-#include "engines/ode_rk4/refuse.hpp"
 
 namespace odeval::engine_rk4 {
 namespace {
@@ -18,42 +13,12 @@ constexpr double redundant_pivot = 1e-12;
 // m, rad. A correction of this size leaves its square, which is rounding; what a step of ordinary size needs is
 // smaller.
 constexpr double small_correction = 1e-7;
-// Of a motor's velocity, and m/s or rad/s: it is there. Found to rounding by those who look for it.
-constexpr double reached = 1e-9;
-constexpr double no_time = 1e-3;          // of a step
-constexpr double limit_rounding = 1e-12;  // of a motor's limit
-// Of the stiffness that Runge's method of the fourth order bears: what turns with the motion may grow by the rest until
-// the next check.
-constexpr double bearable = 0.72;
-constexpr double six_digits = 1e-5;  // that the error tells
-constexpr int steps_between_checks = 16;
 constexpr double closed = 1e-13;  // m, rad: a hundred roundings of a body's size
 
 std::vector<Eigen::Index> rows_of(const std::vector<Joint>& joints) {
   std::vector<Eigen::Index> rows;
   for (const Joint& joint : joints) rows.push_back(joint.rows());
   return rows;
-}
-
-/// The largest L = h W (h k + d) that Runge's method of the fourth order bears, and all below it, of a spring of that
-/// ERP: both roots z of z^2 + (1 - ERP) L z + ERP L = 0 are to keep |1 + z + z^2/2 + z^3/6 + z^4/24| <= 1. 2.78 of a
-/// damper alone (ERP 0), 8 of a spring alone (ERP 1).
-double stiffest(double erp) {
-  using Complex = std::complex<double>;
-  const auto grows = [erp](double large) {
-    const double damping = (1 - erp) * large;
-    const Complex root = std::sqrt(Complex(damping * damping - 4 * erp * large));
-    for (const Complex z : {(-damping + root) / 2.0, (-damping - root) / 2.0}) {
-      constexpr double rounding = 1e-12;
-      if (std::abs(1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0)))) > 1 + rounding) return true;
-    }
-    return false;
-  };
-  constexpr double grain = 0.01;
-  constexpr int most = 800;
-  int grains = 1;
-  while (grains < most && !grows((grains + 1) * grain)) ++grains;
-  return grains * grain;
 }
 
 }  // namespace
@@ -301,199 +266,6 @@ void Motion::prepare(double h) {
       spring.damping = (1 - spring.erp) / spring.cfm;
       if (mechanism_.bodies[joint.a].asleep) spring.stiffness = spring.damping = 0;
     }
-  }
-}
-
-/// Runge's method follows u' = -W (h k + d) u, W the change of the springs' speeds by an impulse at each, joints kept,
-/// where no eigenvalue of h W (h k + d) is too large for the least ERP among them: h k + d is 1 / CFM.
-void Motion::check_springs(const State& state) {
-  if (sprung_.empty() || steps_unchecked_++ % steps_between_checks != 0) return;
-  struct Place {
-    const Joint& joint;
-    const Spring& spring;
-    MotorLine line;
-    double weight;  // the root of h / CFM
-  };
-  release();
-  look(state);
-  factor();
-  std::vector<Place> places;
-  double most = std::numeric_limits<double>::infinity();
-  for (const std::size_t j : sprung_) {
-    const Joint& joint = mechanism_.joints[j];
-    if (mechanism_.bodies[joint.a].asleep) continue;
-    for (const Spring& spring : joint.springs) {
-      most = std::min(most, bearable * stiffest(spring.erp));
-      places.push_back({joint, spring, line_of(joint, spring, state, turns_), std::sqrt(step_ / spring.cfm)});
-    }
-  }
-  const auto count = static_cast<Eigen::Index>(places.size());
-  Eigen::MatrixXd answers(count, count);
-  State moved = state;
-  std::vector<Twist> change(state.size());
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const Place& from = places[static_cast<std::size_t>(k)];
-    for (Twist& twist : change) twist = {Vector3d::Zero(), Vector3d::Zero()};
-    push_along(from.joint, from.line, true, 1, change);
-    for (Vector6& lambda : lambda_) lambda.setZero();
-    solve_onto(change);
-    for (std::size_t i = 0; i < moved.size(); ++i) moved[i].twist = change[i];
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const Place& to = places[static_cast<std::size_t>(i)];
-      answers(i, k) = from.weight * to.weight * motor_speed(to.joint, to.line, true, moved);
-    }
-  }
-  if (count == 0) return;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(answers);
-  const double largest = modes.eigenvalues()[count - 1];
-  if (largest <= most * (1 + six_digits)) return;
-  Eigen::Index worst = 0;
-  modes.eigenvectors().col(count - 1).cwiseAbs().maxCoeff(&worst);
-  const auto& [joint, spring, line, weight] = places[static_cast<std::size_t>(worst)];
-  refuse(name(joint) + " has a suspension that is stiffer than a step of " + shown(step_) +
-             " s follows; raise its dParamSuspensionCFM to " + shown(spring.cfm * largest / most) +
-             " or more, or set it to 0: rigid",
-         mechanism_.bodies[joint.a].id, joint.id);
-}
-
-void Motion::release() {
-  for (const MotorPlace& place : motors_) place.of(mechanism_).drive = Drive::released;
-}
-
-void Motion::feel(const State& state, Forces& forces, double t) {
-  if (forces.renew) forces.renew(t, state, forces.now);
-  accelerate(state, forces.now, acceleration_);
-}
-
-double Motion::too_fast(const MotorPlace& place, const State& state) const {
-  const Joint& joint = mechanism_.joints[place.joint];
-  const Motor& motor = place.of(mechanism_);
-  return motor_speed(joint, line_of(joint, motor, state, turns_), motor.slides, state) - motor.velocity;
-}
-
-/// That it holds with.
-double Motion::motor_force(const MotorPlace& place) const {
-  const Eigen::Index row = mechanism_.joints[place.joint].constraints() + static_cast<Eigen::Index>(place.motor);
-  return lambda_[place.joint][row];
-}
-
-/// In which its limit brings it to its velocity, at the accelerations at hand; infinite if it does not.
-double Motion::time_to_speed(const MotorPlace& place, const State& state) const {
-  const Joint& joint = mechanism_.joints[place.joint];
-  const Motor& motor = place.of(mechanism_);
-  const MotorLine line = line_of(joint, motor, state, turns_);
-  State rates = state;
-  for (std::size_t i = 0; i < rates.size(); ++i) rates[i].twist = acceleration_[i];
-  const double fast = too_fast(place, state), rate = motor_speed(joint, line, motor.slides, rates);
-  return fast * rate < 0 ? -fast / rate : INFINITY;
-}
-
-void Motion::drive(const State& state, Forces& forces, double t, std::span<const std::size_t> broken) {
-  look(state);
-  std::vector<char> at_speed(motors_.size(), 0), decided(motors_.size(), 0);
-  for (std::size_t m = 0; m < motors_.size(); ++m) {
-    Motor& motor = motors_[m].of(mechanism_);
-    const double fast = too_fast(motors_[m], state);
-    const bool there = std::fabs(fast) <= reached * (1 + std::fabs(motor.velocity));
-    const bool at_once = std::isinf(motor.most) && !motor.late;  // the projection brings it there
-    at_speed[m] = (there || at_once) && motor.most > 0 ? 1 : 0;
-    if (at_speed[m] == 0) {
-      motor.drive = motor.late ? Drive::released : Drive::pushes;
-      motor.force = motor.late ? 0 : std::copysign(motor.most, -fast);
-    } else if (std::ranges::find(broken, m) == broken.end()) {
-      motor.drive = Drive::holds;
-    }
-  }
-  // Each that can not hold changes what the others have to hold. One comes to its velocity once, and lets go once.
-  // To look for a moment that is as good as now would cost more than the step.
-  for (bool changed = true; changed;) {
-    feel(state, forces, t);
-    changed = false;
-    for (std::size_t m = 0; m < motors_.size(); ++m) {
-      Motor& motor = motors_[m].of(mechanism_);
-      const bool comes = motor.drive == Drive::pushes && at_speed[m] == 0 && motor.most > 0;
-      if (comes && time_to_speed(motors_[m], state) <= no_time * step_) {
-        at_speed[m] = 1;
-        motor.drive = Drive::holds;
-        changed = true;
-        continue;
-      }
-      if (at_speed[m] == 0 || decided[m] != 0) continue;
-      if (motor.drive == Drive::holds && std::fabs(motor_force(motors_[m])) > motor.most * (1 + limit_rounding)) {
-        let_slip(m);
-        decided[m] = 1;
-        changed = true;
-      }
-    }
-  }
-  driven_acceleration_ = acceleration_;
-  driven_error_ = largest_error();
-}
-
-void Motion::let_slip(std::size_t m) {
-  Motor& motor = motors_[m].of(mechanism_);
-  motor.force = std::copysign(motor.most, motor_force(motors_[m]));
-  motor.drive = Drive::pushes;
-}
-
-void Motion::beyond(const State& state, Forces& forces, double t, std::vector<double>& shares) {
-  feel(state, forces, t);
-  shares.resize(motors_.size());
-  for (std::size_t m = 0; m < motors_.size(); ++m) {
-    Motor& motor = motors_[m].of(mechanism_);
-    if (motor.drive == Drive::holds) {
-      motor.force = motor_force(motors_[m]);
-      shares[m] = std::fabs(motor.force) / motor.most - 1 - limit_rounding;
-    } else {
-      const double fast = too_fast(motors_[m], state);
-      shares[m] = (motor.force > 0 ? fast : motor.force < 0 ? -fast : -1) / (1 + std::fabs(motor.velocity));
-    }
-  }
-}
-
-void Motion::put_off(const std::vector<char>& bodies) {
-  for (const MotorPlace& place : motors_) {
-    const Joint& joint = mechanism_.joints[place.joint];
-    place.of(mechanism_).late = bodies[joint.a] != 0 || (joint.b != world_body && bodies[joint.b] != 0);
-  }
-}
-
-std::vector<LateMotor> Motion::late(double h) const {
-  std::vector<LateMotor> found;
-  for (const MotorPlace& place : motors_) {
-    const Motor& motor = place.of(mechanism_);
-    if (!motor.late || h <= 0 || motor.most <= 0) continue;
-    const double least = std::min(0.0, (-motor.most - motor.force) * h);
-    const double most = std::max(0.0, (motor.most - motor.force) * h);
-    found.push_back({place.joint, place.motor, least, most, std::clamp(motor.at_end, least, most)});
-  }
-  return found;
-}
-
-/// A state moved by the slopes of some stages; the first is of `from` itself.
-void Motion::combine(const State& from, std::span<const RungeKutta::Part> parts, double h, State& sum) const {
-  struct Slope {
-    double time;
-    const BodyNow* states;
-    const Eigen::Vector4d* turn_rates;
-    const Twist* accelerations;
-  };
-  std::array<Slope, most_stages> slopes;
-  std::size_t count = 0;
-  for (const auto& [stage, share] : parts) {
-    const Stage& of = stages_[stage];
-    slopes[count++] = {share * h, stage == 0 ? from.data() : of.state.data(), of.turn_rates.data(),
-                       of.accelerations.data()};
-  }
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    BodyNow body = from[i];
-    for (const Slope& slope : std::span(slopes).first(count)) {
-      body.pose.position += slope.time * slope.states[i].twist.linear;
-      body.pose.turn += slope.time * slope.turn_rates[i];
-      body.twist.linear += slope.time * slope.accelerations[i].linear;
-      body.twist.angular += slope.time * slope.accelerations[i].angular;
-    }
-    sum[i] = body;
   }
 }
 
