@@ -48,6 +48,7 @@ enum class Feature : std::uint8_t {
   open_joints,        // joints that start open
   motors,
   stops,
+  bouncing_stops,  // that give a part of the speed back
   loads,        // springs, torques and controllers of joints
   inertia,      // a tensor of its own, not that of a uniform solid
   loops,        // joints that close some

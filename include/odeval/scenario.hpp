@@ -69,10 +69,16 @@ struct OdeSettings {
   Softness softness(double step_s) const { return spring ? softness_of(*spring, step_s) : Softness{erp, cfm}; }
 };
 
-/// Bullet's own settings, where joints are constraints between bodies.
+/// Bullet's own settings, where joints are constraints between bodies, and where things touch or stop.
 struct BulletSettings {
-  int iterations = 10;  // of its sequential impulses, each over all joints
-  double erp = 0.2;     // 0 to 1, the part of a joint's error that a step takes back
+  int iterations = 10;  // of its sequential impulses, each over all joints and contacts
+  double erp = 0.2;     // 0 to 1, the part of a joint's or a contact's error that a step takes back
+};
+
+/// MuJoCo's own settings, where things touch or stop or joints close loops.
+struct MujocoSettings {
+  double time_constant_s = 0.02;  // within which a contact, a stop or a loop takes an error back (solref)
+  bool elliptic = false;          // friction within a cone, else a pyramid
 };
 
 /// Feedback of joint errors in the methods with Lagrange multipliers: C'' = -ks C - kd C' (report, 5.36).
@@ -127,7 +133,8 @@ struct Scenario {
   std::optional<double> sample_s;            // absent: a row every step
   double gravity = 9.81;                     // m/s², along -z
   OdeSettings ode;                           // of ODE, and of whoever steps as it does
-  BulletSettings bullet;                     // of Bullet's bodies on constraints
+  BulletSettings bullet;                     // of Bullet's constraints
+  MujocoSettings mujoco;                     // of MuJoCo's
   MaximalSettings maximal;                   // of the methods with Lagrange multipliers
   std::optional<double> rtol;                // absent: each adaptive method's own default
   std::optional<double> atol;

@@ -10,7 +10,6 @@ namespace {
 
 bool anywhere(const Scenario&) { return true; }
 bool touching(const Scenario& scenario) { return !scenario.mechanism.contacts.empty(); }
-bool jointed(const Scenario& scenario) { return !scenario.mechanism.joints.empty(); }
 bool constrained(const Scenario& scenario) { return !scenario.mechanism.joints.empty() || touching(scenario); }
 bool bouncing(const Scenario& scenario) {
   return std::ranges::any_of(scenario.mechanism.contacts, [&](const Contact& contact) {
@@ -21,6 +20,10 @@ bool rubbing(const Scenario& scenario) {
   return std::ranges::any_of(scenario.mechanism.contacts,
                              [](const Contact& contact) { return contact.friction && contact.friction->limit > 0; });
 }
+
+bool pressed(const Scenario& scenario) { return touching(scenario) || features_of(scenario).has(Feature::stops); }
+bool held(const Scenario& scenario) { return pressed(scenario) || features_of(scenario).has(Feature::motors); }
+bool soft(const Scenario& scenario) { return pressed(scenario) || features_of(scenario).has(Feature::loops); }
 
 constexpr EngineSetting on_constraints(std::string_view key) { return {key, constrained, "joints or contacts"}; }
 constexpr EngineSetting on_contacts(std::string_view key) { return {key, touching, "contacts"}; }
@@ -42,8 +45,11 @@ constexpr EngineSetting on_spring(std::string_view key) { return {key, joints_ar
 constexpr std::array of_closed_form{on_spring("ode.erp"), on_spring("ode.cfm"), on_spring("ode.kp"),
                                     on_spring("ode.kd")};
 constexpr std::array of_feedback{EngineSetting{"maximal.ks", anywhere, ""}, EngineSetting{"maximal.kd", anywhere, ""}};
-constexpr std::array of_bullet{EngineSetting{"bullet.iterations", jointed, "joints"},
-                               EngineSetting{"bullet.erp", jointed, "joints"}};
+constexpr std::array of_bullet{on_constraints("bullet.iterations"), on_constraints("bullet.erp")};
+constexpr std::array of_multibody{EngineSetting{"bullet.iterations", held, "contacts, stops or motors"},
+                                  EngineSetting{"bullet.erp", pressed, "contacts or stops"}};
+constexpr std::array of_mujoco{EngineSetting{"mujoco.time_constant", soft, "contacts, stops or loops"},
+                               EngineSetting{"mujoco.cone", rubbing, "contacts with friction"}};
 constexpr std::array of_tolerances{EngineSetting{"rtol", anywhere, ""}, EngineSetting{"atol", anywhere, ""}};
 
 }  // namespace
@@ -61,6 +67,8 @@ bool is_of_spring(std::string_view key) {
 }
 std::span<const EngineSetting> feedback_settings() { return of_feedback; }
 std::span<const EngineSetting> bullet_settings() { return of_bullet; }
+std::span<const EngineSetting> bullet_multibody_settings() { return of_multibody; }
+std::span<const EngineSetting> mujoco_settings() { return of_mujoco; }
 std::span<const EngineSetting> accuracy_settings() { return tolerance_settings().first(1); }
 std::span<const EngineSetting> tolerance_settings() { return of_tolerances; }
 

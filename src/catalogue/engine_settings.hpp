@@ -25,6 +25,8 @@ bool is_of_spring(std::string_view key);
 std::span<const EngineSetting> feedback_settings();
 /// What Bullet reads where its bodies are held by constraints.
 std::span<const EngineSetting> bullet_settings();
+std::span<const EngineSetting> bullet_multibody_settings();
+std::span<const EngineSetting> mujoco_settings();
 /// The one tolerance of a method that has no absolute one.
 std::span<const EngineSetting> accuracy_settings();
 /// Tolerances of adaptive methods.

@@ -4,11 +4,9 @@
 #include <array>
 
 #include "catalogue/accurate_method.hpp"
-#include "engines/bullet/make.hpp"
-#include "engines/dart/make.hpp"
-#include "engines/mujoco/make.hpp"
 #include "engines/ode/module.hpp"
-#include "engines/simbody/make.hpp"
+#include "engines/simbody/accuracy.hpp"
+#include "engines/tree/make.hpp"
 #include "model/nearest.hpp"
 #include "odeval/error.hpp"
 #include "reference/closed_form/analytic.hpp"
@@ -55,8 +53,12 @@ constexpr Features touching_bodies = any_planar | Features{Feature::space, Featu
 constexpr Features joined_bodies{Feature::space, Feature::joints_in_space, Feature::inertia};
 constexpr Features trees_of_bodies = any_chain | joined_bodies | Features{Feature::loads};
 constexpr Features driven_trees = trees_of_bodies | Features{Feature::motors};
-constexpr Features driven_bodies = joined_bodies | Features{Feature::motors, Feature::stops,       Feature::loads,
-                                                            Feature::loops,  Feature::rare_joints, Feature::struts};
+constexpr Features bouncing_stops{Feature::stops, Feature::bouncing_stops};
+constexpr Features touching_trees =
+    trees_of_bodies | any_planar | Features{Feature::ground, Feature::friction, Feature::stops};
+constexpr Features driven_bodies =
+    joined_bodies | bouncing_stops |
+    Features{Feature::motors, Feature::loads, Feature::loops, Feature::rare_joints, Feature::struts};
 constexpr Features accurate = touching_bodies | driven_bodies | Features{Feature::friction};
 constexpr Features all_of_ode = accurate | Features{Feature::constant_friction, Feature::open_joints};
 constexpr Features closed_form{Feature::wall,
@@ -133,8 +135,44 @@ std::vector<Method> methods_of_bodies() {
   };
 }
 
+#ifdef ODEVAL_HAVE_MUJOCO
+constexpr bool has_mujoco = true;
+#else
+constexpr bool has_mujoco = false;
+#endif
+#ifdef ODEVAL_HAVE_BULLET
+constexpr bool has_bullet = true;
+#else
+constexpr bool has_bullet = false;
+#endif
+#ifdef ODEVAL_HAVE_BULLET_SINGLE
+constexpr bool has_bullet_single = true;
+#else
+constexpr bool has_bullet_single = false;
+#endif
+#ifdef ODEVAL_HAVE_DART
+constexpr bool has_dart = true;
+#else
+constexpr bool has_dart = false;
+#endif
+#ifdef ODEVAL_HAVE_SIMBODY
+constexpr bool has_simbody = true;
+#else
+constexpr bool has_simbody = false;
+#endif
+
+/// A row of an engine whose methods are in a module: its name twice, as that knows it and as the table does.
+template <bool here, engine_tree::Word engine, engine_tree::Word method>
+Method beside_ode(std::string_view formulation, std::string_view advanced_by, int order, Features can,
+                  std::span<const EngineSetting> settings, SystemMatrix inverts, std::string_view why_missing,
+                  double rtol = 0) {
+  return {method.letters, formulation, advanced_by, order, rtol, 0, can, engine_tree::made_by<here, engine, method>,
+          settings,       inverts,     why_missing, true};
+}
+
 std::vector<Method> engines_beside_ode() {
   const std::string_view joint_coordinates = "joint coordinates";
+  const std::string_view constraints = "Bullet bodies and constraints";
   const std::string_view no_mujoco =
       "this build has no MuJoCo (libmujoco-dev); scripts/install-deps --engines installs it, then configure again";
   const std::string_view no_bullet =
@@ -145,26 +183,38 @@ std::vector<Method> engines_beside_ode() {
       "this build has no Simbody (libsimbody-dev); scripts/install-deps --engines installs it, then configure again";
   const std::span<const EngineSetting> none;
   const auto inverts = SystemMatrix::mass_matrix;
+  const Features mujoco = touching_trees | bouncing_stops | Features{Feature::loops};
+  const Features hinge = touching_trees | Features{Feature::motors, Feature::loops};
+  const Features multibody = touching_trees | Features{Feature::motors};
+  const Features simbody = trees_of_bodies | Features{Feature::loops};
+  const double accuracy = engine_simbody::default_accuracy;
   return {
-      {"mujoco-euler", joint_coordinates, "MuJoCo's semi-implicit Euler", 1, 0, 0, trees_of_bodies,
-       engine_mujoco::make_euler, none, inverts, no_mujoco, true},
-      {"mujoco-implicit", joint_coordinates, "MuJoCo's Euler, implicit in velocities", 1, 0, 0, trees_of_bodies,
-       engine_mujoco::make_implicit, none, inverts, no_mujoco, true},
-      {"mujoco-rk4", joint_coordinates, "MuJoCo's Runge-Kutta", 4, 0, 0, trees_of_bodies, engine_mujoco::make_rk4, none,
-       inverts, no_mujoco, true},
-      {"bullet-hinge-double", "Bullet bodies and constraints", "btDiscreteDynamicsWorld, double precision", 1, 0, 0,
-       driven_trees, engine_bullet::make_hinge, bullet_settings(), hinge_rows, no_bullet, true},
-      {"bullet-multibody-double", joint_coordinates, "btMultiBody, double precision", 1, 0, 0, driven_trees,
-       engine_bullet::make_multibody, none, inverts, no_bullet, true},
-      {"bullet-multibody-rk4-double", joint_coordinates, "btMultiBody with its Runge-Kutta, double precision", 4, 0, 0,
-       trees_of_bodies, engine_bullet::make_multibody_rk4, none, inverts, no_bullet, true},
-      {"dart-step", joint_coordinates, "DART's World::step", 1, 0, 0, driven_trees, engine_dart::make_step, none,
-       inverts, no_dart, true},
-      {"simbody-semi-explicit", joint_coordinates, "Simbody's semi-explicit Euler", 1, 0, 0, trees_of_bodies,
-       engine_simbody::make_semi_explicit, none, inverts, no_simbody, true},
-      {"simbody-merson", joint_coordinates, "Simbody's Kutta-Merson, steps of its own", 0,
-       engine_simbody::default_accuracy, 0, trees_of_bodies, engine_simbody::make_merson, accuracy_settings(), inverts,
-       no_simbody, true},
+      beside_ode<has_mujoco, "mujoco", "mujoco-euler">(joint_coordinates, "MuJoCo's semi-implicit Euler", 1, mujoco,
+                                                       mujoco_settings(), inverts, no_mujoco),
+      beside_ode<has_mujoco, "mujoco", "mujoco-implicit">(joint_coordinates, "MuJoCo's Euler, implicit in velocities",
+                                                          1, mujoco, mujoco_settings(), inverts, no_mujoco),
+      beside_ode<has_mujoco, "mujoco", "mujoco-rk4">(joint_coordinates, "MuJoCo's Runge-Kutta", 4, mujoco,
+                                                     mujoco_settings(), inverts, no_mujoco),
+      beside_ode<has_bullet, "bullet", "bullet-hinge-double">(constraints, "btDiscreteDynamicsWorld, double precision",
+                                                              1, hinge, bullet_settings(), hinge_rows, no_bullet),
+      beside_ode<has_bullet_single, "bullet_single", "bullet-hinge-single">(
+          constraints, "btDiscreteDynamicsWorld, single precision", 1, hinge, bullet_settings(), hinge_rows, no_bullet),
+      beside_ode<has_bullet, "bullet", "bullet-multibody-double">(joint_coordinates, "btMultiBody, double precision", 1,
+                                                                  multibody, bullet_multibody_settings(), inverts,
+                                                                  no_bullet),
+      beside_ode<has_bullet_single, "bullet_single", "bullet-multibody-single">(
+          joint_coordinates, "btMultiBody, single precision", 1, multibody, bullet_multibody_settings(), inverts,
+          no_bullet),
+      beside_ode<has_bullet, "bullet", "bullet-multibody-rk4-double">(
+          joint_coordinates, "btMultiBody with its Runge-Kutta, double precision", 4, trees_of_bodies, none, inverts,
+          no_bullet),
+      beside_ode<has_dart, "dart", "dart-step">(joint_coordinates, "DART's World::step", 1,
+                                                touching_trees | Features{Feature::motors}, none, inverts, no_dart),
+      beside_ode<has_simbody, "simbody", "simbody-semi-explicit">(joint_coordinates, "Simbody's semi-explicit Euler", 1,
+                                                                  simbody, none, inverts, no_simbody),
+      beside_ode<has_simbody, "simbody", "simbody-merson">(joint_coordinates,
+                                                           "Simbody's Kutta-Merson, steps of its own", 0, simbody,
+                                                           accuracy_settings(), inverts, no_simbody, accuracy),
   };
 }
 

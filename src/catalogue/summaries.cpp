@@ -18,6 +18,7 @@ RunSummary settings_of(const Method& method, const Scenario& scenario) {
   summary.uses_ode = has_half_step_start(method);
   summary.uses_bounce = !summary.uses_ode && reads(method, "ode.bounce", scenario);
   summary.uses_bullet = reads(method, "bullet.iterations", scenario);
+  summary.uses_mujoco = reads(method, "mujoco.time_constant", scenario);
   if (method.tells) summary.told = method.make(scenario, summary.grid)->told();
   summary.uses_maximal = reads(method, "maximal.ks", scenario);
   summary.rtol = in_effect(scenario.rtol, method.rtol);

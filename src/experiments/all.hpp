@@ -8,6 +8,8 @@ using report::Content;
 using report::Findings;
 
 Content answer(Laboratory& laboratory, Findings& findings);
+Content should_i_switch(Laboratory& laboratory, Findings& findings);
+Content benchmarks(Laboratory& laboratory, Findings& findings);
 Content snapshots(Laboratory& laboratory, Findings& findings);
 Content double_pendulum(Laboratory& laboratory, Findings& findings);
 Content accuracy(Laboratory& laboratory, Findings& findings);

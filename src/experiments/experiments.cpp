@@ -20,6 +20,7 @@ consteval Experiment row(std::string_view name, report::Content (*run)(Laborator
 // clang-format off
 constexpr std::array table{
     row("answer", answer),
+    row("switch", should_i_switch),
     row("snapshots", snapshots),
     row("double-pendulum", double_pendulum),
     row("accuracy", accuracy),
@@ -52,6 +53,7 @@ constexpr std::array table{
     row("remedy", remedy),
     row("iftomm", iftomm),
     row("potra", potra),
+    row("benchmarks", benchmarks),
 };
 // clang-format on
 

@@ -147,7 +147,19 @@ std::vector<report::Section> front_of(std::vector<report::Section>& sections, co
     in_short.blocks.emplace_back(report::Highlight{
         *sentence, {figure->name, figure->title, "", {figure->panels[row.panel]}, 1}, std::string(row.section)});
   }
-  return {std::move(answer), std::move(in_short)};
+  // Of what there is to say to whoever thinks of leaving, the advice; its evidence stays where it is folded.
+  report::Section leaving{"should-i-switch", "Should I switch?", {}};
+  if (const auto found = std::ranges::find(sections, "switch", &report::Section::name); found != sections.end()) {
+    for (auto& block : found->blocks) {
+      const auto* const table = std::get_if<report::Table>(&block);
+      if (table == nullptr || table->name != "switch") continue;
+      leaving.blocks.push_back(std::move(block));
+      found->blocks.erase(found->blocks.begin() + (&block - found->blocks.data()));
+      break;
+    }
+    found->title = "ODE beside other engines";
+  }
+  return {std::move(answer), std::move(leaving), std::move(in_short)};
 }
 
 }  // namespace odeval::experiments

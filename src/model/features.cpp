@@ -9,7 +9,7 @@
 namespace odeval {
 namespace {
 
-constexpr std::array<std::string_view, 17> names{
+constexpr std::array<std::string_view, 18> names{
     "bodies in space",
     "more than one link",
     "more than two links",
@@ -22,6 +22,7 @@ constexpr std::array<std::string_view, 17> names{
     "joints that start open",
     "motors",
     "stops",
+    "stops that bounce",
     "springs, torques and controllers of joints",
     "inertia tensors of their own",
     "joints that close loops",
@@ -95,6 +96,7 @@ Features features_of(const Scenario& scenario) {
     if (joint.opening_m != Vec3{}) asked.add(Feature::open_joints);
     if (joint.motor) asked.add(Feature::motors);
     if (joint.stop) asked.add(Feature::stops);
+    if (joint.stop && joint.stop->restitution > 0) asked.add(Feature::bouncing_stops);
     if (joint.loaded()) asked.add(Feature::loads);
     if (std::visit(IsRare{}, joint.kind)) asked.add(Feature::rare_joints);
   }

@@ -23,6 +23,7 @@ std::vector<std::string> problem_names(const Names&) {
 std::vector<std::string> shape_names(const Names&) { return {"box", "sphere"}; }
 std::vector<std::string> friction_models(const Names&) { return {"pyramid", "constant"}; }
 std::vector<std::string> friction_axes(const Names&) { return {"plane-space", "sliding"}; }
+std::vector<std::string> cone_names(const Names&) { return {"pyramidal", "elliptic"}; }
 std::vector<std::string> joint_names(const Names&) {
   std::vector<std::string> names;
   for (const JointWord& kind : joint_words) names.emplace_back(kind.word);
@@ -290,10 +291,15 @@ constexpr KeyRow rows[] = {
   {"ode", "rotation",           word,   "",       0, 0,          false, rotation_names, "infinitesimal", "how a step turns a body: along the tangent, or by the whole angle (dBodySetFiniteRotationMode)",
       [](D&, S& s, const V& v) { s.ode.rotation = v.word == "finite" ? Turning::finite : Turning::infinitesimal; }},
 
-  {"bullet", "iterations", whole, "", 1, 1e6, false, nullptr, "10", "Bullet's iterations over the joints of its bodies",
+  {"bullet", "iterations", whole, "", 1, 1e6, false, nullptr, "10", "Bullet's iterations over joints and contacts",
       [](D&, S& s, const V& v) { s.bullet.iterations = static_cast<int>(v.number); }},
-  {"bullet", "erp", number, "", 0, 1, false, nullptr, "0.2", "part of a joint's error that Bullet takes back in a step",
+  {"bullet", "erp", number, "", 0, 1, false, nullptr, "0.2", "part of a joint's or a contact's error that Bullet takes back in a step",
       [](D&, S& s, const V& v) { s.bullet.erp = v.number; }},
+
+  {"mujoco", "time_constant", number, "s", 0, 1e3, true, nullptr, "0.02", "within which contacts, stops and loops of MuJoCo take an error back (solref)",
+      [](D&, S& s, const V& v) { s.mujoco.time_constant_s = v.number; }},
+  {"mujoco", "cone", word, "", 0, 0, false, cone_names, "pyramidal", "what bounds MuJoCo's friction",
+      [](D&, S& s, const V& v) { s.mujoco.elliptic = v.word == "elliptic"; }},
 
   {"maximal", "ks", number, "1/s²", 0, 1e14, false, nullptr, "400", "feedback of a joint's position error",
       [](D&, S& s, const V& v) { s.maximal.ks = v.number; }},
@@ -314,10 +320,10 @@ constexpr KeyRow rows[] = {
 // clang-format on
 
 constexpr SectionRow sections[] = {
-    {"links", true},    {"wall", false},     {"bodies", true},      {"joints", true}, {"joints.motor", false},
-    {"springs", true},  {"torques", true},   {"controllers", true}, {"struts", true}, {"planes", true},
-    {"contacts", true}, {"ground", false},   {"joint", false},      {"ode", false},   {"bullet", false},
-    {"maximal", false}, {"tolerances", true}};
+    {"links", true},    {"wall", false},    {"bodies", true},      {"joints", true}, {"joints.motor", false},
+    {"springs", true},  {"torques", true},  {"controllers", true}, {"struts", true}, {"planes", true},
+    {"contacts", true}, {"ground", false},  {"joint", false},      {"ode", false},   {"bullet", false},
+    {"mujoco", false},  {"maximal", false}, {"tolerances", true}};
 
 }  // namespace
 

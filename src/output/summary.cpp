@@ -99,6 +99,10 @@ Json settings(const RunSummary& run) {
   if (run.uses_bullet) {
     json["bullet"] = {{"iterations", scenario.bullet.iterations}, {"erp", scenario.bullet.erp}};
   }
+  if (run.uses_mujoco) {
+    json["mujoco"] = {{"time_constant", scenario.mujoco.time_constant_s},
+                      {"cone", scenario.mujoco.elliptic ? "elliptic" : "pyramidal"}};
+  }
   for (const auto& [option, value] : run.told) {
     json["engine"][option] = std::visit([](const auto& v) { return Json(v); }, value);
   }

@@ -44,6 +44,7 @@ struct RunSummary {
   bool uses_ode = false;       // whether [ode] settings took effect
   bool uses_bounce = false;    // of those the bounce alone
   bool uses_bullet = false;    // whether [bullet] settings took effect
+  bool uses_mujoco = false;    // likewise
   bool uses_maximal = false;   // whether [maximal] settings took effect
   std::optional<double> rtol;  // in effect; absent for a fixed step
   std::optional<double> atol;

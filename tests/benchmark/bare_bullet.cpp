@@ -5,7 +5,6 @@
 #include <btBulletDynamicsCommon.h>
 
 #include <array>
-#include <cfloat>
 #include <cstring>
 #include <memory>
 
@@ -74,7 +73,7 @@ struct Tree final : Pendulum {
     tree.finalizeMultiDof();
     tree.setLinearDamping(0);
     tree.setAngularDamping(0);
-    tree.setMaxCoordinateVelocity(DBL_MAX);
+    tree.setMaxCoordinateVelocity(SIMD_INFINITY);
     tree.useRK4Integration(rk4);
     tree.setJointPos(0, SIMD_PI / 4);
     tree.setJointPos(1, -SIMD_PI / 4);

@@ -70,7 +70,8 @@ struct Bare {
 void compare(const odeval::catalogue::Method& method, const odeval::catalogue::Evaluator& evaluator, int rounds) {
   const std::string name(method.name);
   const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-  const Bare bare(here / ("libodeval_bare_" + name.substr(0, name.find('-')) + ".so"));
+  const std::string engine = name.substr(0, name.find('-')) + (name.ends_with("-single") ? "_single" : "");
+  const Bare bare(here / ("libodeval_bare_" + engine + ".so"));
   const odeval::SampleGrid grid = evaluator.grid();
   std::vector<double> alone, within, ratios;
   double height = 0;

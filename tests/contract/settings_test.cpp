@@ -28,13 +28,13 @@ struct Letter {
 constexpr Letter letters[] = {{'S', "ode-step-double"},  {'Q', "ode-quickstep-double"}, {'A', "ode-rk4-double"},
                               {'M', "maximal-rk4"},      {'L', "lagrange-rk4"},         {'D', "lagrange-ode45"},
                               {'O', "maximal-ode-step"}, {'C', "lagrange-cvode"},       {'B', "bullet-hinge-double"},
-                              {'X', "simbody-merson"}};
+                              {'X', "simbody-merson"},   {'J', "mujoco-euler"}};
 /// Engines that a build may lack, and whom what is no engine's setting moves as well: which no row says again.
 struct Like {
   char letter;
   char other;
 };
-constexpr Like beside_ode[] = {{'B', 'S'}, {'X', 'R'}};
+constexpr Like beside_ode[] = {{'B', 'S'}, {'X', 'R'}, {'J', 'S'}};
 
 /// A family of scenarios by one that has what its keys act on: an impact, a slide, a pull.
 struct Stage {
@@ -161,8 +161,10 @@ const Row rows[] = {
     {"ode.seed",               "1",                {"Q",         "Q",        "Q",        "",      "",     "Q",   "",    "", "Q"}},
     {"ode.gyroscopic",         "off",              {"SQO",       "SQO",      "SQO",      "SQ",    "",     "SQ",  "",    "", "SQ"}},
     {"ode.rotation",           "finite",           {"SQ",        "SQ",       "SQ",       "SQ",    "",     "SQ",  "",    "", "SQ"}},
-    {"bullet.iterations",      "3",                {"B",         "B",        "",         "",      "",     "",    "",    "", "B"}},
-    {"bullet.erp",             "0.5",              {"B",         "B",        "",         "",      "",     "",    "",    "", "B"}},
+    {"bullet.iterations",      "3",                {"B",         "B",        "B",        "",      "",     "B",   "",    "", "B"}},
+    {"bullet.erp",             "0.5",              {"B",         "B",        "B",        "",      "",     "B",   "",    "", "B"}},
+    {"mujoco.time_constant",   "0.01",             {"",          "",         "J",        "",      "J",    "J",   "",    "", ""}},
+    {"mujoco.cone",            "elliptic",         {"",          "",         "",         "",      "",     "J",   "",    "", ""}},
     {"maximal.ks",             "1",                {"M",         "",         "",         "-",     "-",    "-",   "-",   "-", "-"}},
     {"maximal.kd",             "1",                {"M",         "",         "",         "-",     "-",    "-",   "-",   "-", "-"}},
 };

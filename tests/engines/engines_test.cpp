@@ -98,10 +98,13 @@ double error(const catalogue::Method& method, Scenario scenario, const Reference
   return run.motion.size() == 11 ? most : std::numeric_limits<double>::quiet_NaN();
 }
 
+bool is_single(const catalogue::Method& method) { return method.name.ends_with("-single"); }
+
 void tree(Scenario scenario) {
   // Ten iterations, Bullet's own, let six bodies fly apart at any step; with a thousand nothing of them is left to see.
   scenario.bullet.iterations = 1000;
   const Reference reference = reference::solve_tree(scenario, rows_of(row_spacing_s));
+  std::map<std::string, double> coarse_errors;  // by method
   for (const catalogue::Method* const method : engines()) {
     const auto at_rtol = [&](double rtol) {
       scenario.rtol = rtol;
@@ -110,6 +113,14 @@ void tree(Scenario scenario) {
     const auto at_step = [&](double h) { return error(*method, scenario, reference, h); };
     const bool first = method->order == 1;
     const double coarse = method->order == 0 ? at_rtol(1e-6) : at_step(first ? 4e-4 : 1e-3);
+    coarse_errors[std::string(method->name)] = coarse;
+    if (is_single(*method)) {  // whose rounding hides an order: as far off as in double precision
+      const std::string name(method->name);
+      const auto other = coarse_errors.find(name.substr(0, name.size() - 6) + "double");
+      std::printf("%s in %s: %.3g\n", scenario.name.c_str(), name.c_str(), coarse);
+      if (other != coarse_errors.end()) CHECK_NEAR(coarse / other->second, 1, 0.2);
+      continue;
+    }
     const double fine = method->order == 0 ? at_rtol(1e-9) : at_step(first ? 2e-4 : 2.5e-4);
     std::printf("%s in %s: %.3g -> %.3g\n", scenario.name.c_str(), std::string(method->name).c_str(), coarse, fine);
     if (first) {
@@ -134,7 +145,7 @@ void motors(unsigned seed) {
   }
   const Reference reference = reference::solve_tree(scenario, rows_of(row_spacing_s));
   for (const catalogue::Method* const method : engines()) {
-    if (!catalogue::does(*method, scenario)) continue;
+    if (!catalogue::does(*method, scenario) || is_single(*method)) continue;
     const double coarse = error(*method, scenario, reference, 2e-4);
     const double fine = error(*method, scenario, reference, 1e-4);
     std::printf("%s with motors in %s: %.3g -> %.3g\n", scenario.name.c_str(), std::string(method->name).c_str(),
@@ -153,6 +164,7 @@ void sampled_controllers() {
     for (Controller& controller : joint.controllers) controller.sampled = true;
   }
   for (const catalogue::Method* const method : engines()) {
+    if (is_single(*method)) continue;
     const double coarse = error(*method, scenario, reference, 2e-3);
     const double fine = error(*method, scenario, reference, 1e-3);
     std::printf("sampled in %s: %.3g -> %.3g\n", std::string(method->name).c_str(), coarse, fine);
@@ -209,8 +221,10 @@ void refusals() {
     CHECK_THROWS(catalogue::require_does(*method, scenario, "--method"), UserError, "joints that start open");
     Scenario loop = test::random_tree(1, false);
     loop.mechanism.joints.push_back({.kind = BallJoint{}, .first = 3, .second = {}});
-    CHECK_THROWS(catalogue::require_does(*method, loop, "--method"), UserError, "joints that close loops");
-    CHECK_THROWS(method->make(loop, sample_grid(loop)), MachineError, "close a loop");
+    if (!method->can.has(Feature::loops)) {
+      CHECK_THROWS(catalogue::require_does(*method, loop, "--method"), UserError, "joints that close loops");
+      CHECK_THROWS(method->make(loop, sample_grid(loop)), MachineError, "close a loop");
+    }
     Scenario rare = test::random_tree(1, false);
     rare.mechanism.joints[0].kind = PistonJoint{};
     CHECK_THROWS(catalogue::require_does(*method, rare, "--method"), UserError, "joints piston, pr, pu");

@@ -232,6 +232,8 @@ std::string_view words_of(Feature feature) {
       return "motors";
     case Feature::stops:
       return "stops";
+    case Feature::bouncing_stops:
+      return "stops that bounce";
     case Feature::loads:
       return "springs, torques and controllers of joints";
     case Feature::inertia:
@@ -280,7 +282,9 @@ void files_ask_for_what_they_hold() {
       {"buggy", {Feature::space, Feature::joints_in_space, Feature::rare_joints}},
       {"buggy_landing",
        {Feature::space, Feature::ground, Feature::friction, Feature::joints_in_space, Feature::rare_joints}},
-      {"cart_pole", {Feature::space, Feature::joints_in_space, Feature::motors, Feature::stops, Feature::loads}},
+      {"cart_pole",
+       {Feature::space, Feature::joints_in_space, Feature::motors, Feature::stops, Feature::bouncing_stops,
+        Feature::loads}},
       {"acrobot", {Feature::space, Feature::joints_in_space, Feature::loads, Feature::inertia}},
       {"iftomm_bricard", {Feature::space, Feature::joints_in_space, Feature::loops}},
       {"iftomm_governor", {Feature::space, Feature::joints_in_space, Feature::inertia, Feature::struts}},

@@ -122,6 +122,7 @@ void fallbacks_are_what_the_table_says() {
   std::string text = wall;
   std::string ode = "[ode]\n";
   std::string bullet = "[bullet]\n";
+  std::string mujoco = "[mujoco]\n";
   std::string maximal = "[maximal]\n";
   for (const KeyRow& row : key_table()) {
     const bool is_value = row.kind == KeyKind::number || row.kind == KeyKind::whole || row.name == "start";
@@ -134,9 +135,10 @@ void fallbacks_are_what_the_table_says() {
     if (row.section == "wall") text += line;
     if (row.section == "ode") ode += line;
     if (row.section == "bullet") bullet += line;
+    if (row.section == "mujoco") mujoco += line;
     if (row.section == "maximal") maximal += line;
   }
-  const Scenario full = read(text + ode + bullet + maximal);
+  const Scenario full = read(text + ode + bullet + mujoco + maximal);
   CHECK_EQUAL(full.step_s, bare.step_s);
   CHECK_EQUAL(full.gravity, bare.gravity);
   CHECK_EQUAL(full.planar->wall->restitution, bare.planar->wall->restitution);
@@ -151,6 +153,7 @@ void fallbacks_are_what_the_table_says() {
   CHECK_EQUAL(full.ode.seed, bare.ode.seed);
   CHECK_EQUAL(full.bullet.iterations, bare.bullet.iterations);
   CHECK_EQUAL(full.bullet.erp, bare.bullet.erp);
+  CHECK_EQUAL(full.mujoco.time_constant_s, bare.mujoco.time_constant_s);
   CHECK_EQUAL(full.maximal.ks, bare.maximal.ks);
   CHECK_EQUAL(full.maximal.kd, bare.maximal.kd);
   CHECK(!bare.sample_s && !bare.rtol && !bare.atol && !bare.ode.bounce && bare.methods.empty());
@@ -161,7 +164,7 @@ void every_key_arrives() {
       read("step = 0.002\nsample = 0.01\ngravity = 3\nrtol = 1e-9\natol = 1e-10\nmethods = [\"analytic\"]\n" + wall +
            "restitution = 0.5\n[ode]\nerp = 0.1\ncfm = 1e-3\niterations = 7\nsor_w = 1.1\nbounce = 0.25\n"
            "bounce_vel = 0.01\nmax_correcting_vel = 5\nsurface_layer = 1e-3\nstart = \"half-step\"\nseed = 4294967295\n"
-           "[bullet]\niterations = 17\nerp = 0.3\n"
+           "[bullet]\niterations = 17\nerp = 0.3\n[mujoco]\ntime_constant = 0.003\ncone = \"elliptic\"\n"
            "[maximal]\nks = 25\nkd = 0\n"
            "[[tolerances]]\nmethod = \"analytic\"\nmetric = \"max_gap\"\nuntil = 2\nat_most = 1e-6\n"
            "[[tolerances]]\nmethod = \"lagrange-rk4\"\nmetric = \"divergence_time\"\nuntil = 3\nat_least = 2.5\n");
@@ -184,6 +187,8 @@ void every_key_arrives() {
   CHECK_EQUAL(all.ode.seed, 4294967295u);
   CHECK_EQUAL(all.bullet.iterations, 17);
   CHECK_EQUAL(all.bullet.erp, 0.3);
+  CHECK_EQUAL(all.mujoco.time_constant_s, 0.003);
+  CHECK(all.mujoco.elliptic);
   CHECK_EQUAL(all.maximal.ks, 25.0);
   CHECK_EQUAL(all.maximal.kd, 0.0);
   CHECK_EQUAL(all.tolerances.size(), 2u);

@@ -37,6 +37,7 @@ struct MakeConstraint {
   btRigidBody& second;
   btScalar erp;
   const std::optional<Motor>& motor;  // of a hinge or a slider
+  const std::optional<Stop>& stop;    // likewise
   btScalar step_s;
 
   using Made = std::unique_ptr<btTypedConstraint>;
@@ -51,6 +52,7 @@ struct MakeConstraint {
     auto made =
         std::make_unique<btHingeConstraint>(first, second, in_body(first, frame), in_body(second, frame), false);
     if (motor) made->enableAngularMotor(true, btScalar(motor->speed), btScalar(motor->most) * step_s);  // an impulse
+    if (stop) made->setLimit(btScalar(stop->low), btScalar(stop->high), 1, 1, 0);
     return made;
   }
   // Not one of six motions, as the next two are: beside a body that turns, the two halves of that one's force do not
@@ -59,8 +61,10 @@ struct MakeConstraint {
     const btTransform frame = frame_along(slider.anchor_m, slider.axis, 0);
     auto made =
         std::make_unique<btSliderConstraint>(first, second, in_body(first, frame), in_body(second, frame), true);
-    made->setLowerLinLimit(1);  // low above high: free
-    made->setUpperLinLimit(-1);
+    made->setLowerLinLimit(stop ? btScalar(-stop->high) : 1);  // it counts the second body against the first;
+    made->setUpperLinLimit(stop ? btScalar(-stop->low) : -1);  // low above high: free
+    made->setSoftnessLimLin(1);
+    made->setDampingLimLin(1);
     made->setLowerAngLimit(0);
     made->setUpperAngLimit(0);
     made->setSoftnessLimAng(1);
@@ -74,7 +78,7 @@ struct MakeConstraint {
     made->setRestitutionOrthoLin(0);
     if (motor) {
       made->setPoweredLinMotor(true);
-      made->setTargetLinMotorVelocity(btScalar(-motor->speed));  // it counts the second body against the first
+      made->setTargetLinMotorVelocity(btScalar(-motor->speed));
       made->setMaxLinMotorForce(btScalar(motor->most));
     }
     return made;
@@ -165,11 +169,13 @@ void HeldPair::push(double force) const {
 }
 
 HingeWorld::HingeWorld(const Scenario& scenario, double step_s)
-    : step_s_(btScalar(step_s)), bodies_(scenario.mechanism.bodies.size()) {
+    : meeting_(scenario.mechanism), step_s_(btScalar(step_s)), bodies_(scenario.mechanism.bodies.size()) {
+  meeting_.open(world_, configuration_);
   world_.setGravity(btVector3(0, 0, btScalar(-scenario.gravity)));
   set(world_.getSolverInfo(), scenario.bullet);
   std::vector<engine_tree::Place> places(bodies_.size());
-  for (const engine_tree::Hanging& hanging : engine_tree::hang(scenario.mechanism)) {
+  std::vector<std::size_t> closing;
+  for (const engine_tree::Hanging& hanging : engine_tree::hang(scenario.mechanism, &closing)) {
     places[hanging.body] = hanging.place;
   }
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
@@ -177,16 +183,33 @@ HingeWorld::HingeWorld(const Scenario& scenario, double step_s)
     add(scenario.mechanism.bodies[i]);
   }
   for (const Joint& joint : scenario.mechanism.joints) add(joint);
+  watch(closing);
+}
+
+void HingeWorld::watch(const std::vector<std::size_t>& closing) {
+  for (const std::size_t joint : closing) {
+    closing_.push_back(std::make_unique<btJointFeedback>());
+    constraints_[joint]->enableFeedback(true);
+    constraints_[joint]->setJointFeedback(closing_.back().get());
+  }
+}
+
+std::vector<Vec3> HingeWorld::closing_forces() {
+  std::vector<Vec3> forces;
+  for (const auto& feedback : closing_) forces.push_back(ours(feedback->m_appliedForceBodyA));
+  return forces;
 }
 
 HingeWorld::~HingeWorld() {
   for (const auto& constraint : constraints_) world_.removeConstraint(constraint.get());
   for (const auto& body : rigid_) world_.removeRigidBody(body.get());
+  meeting_.close(world_);
 }
 
 void HingeWorld::add(const Body& body) {
   const Principal& principal = principal_.back();
-  btRigidBody::btRigidBodyConstructionInfo what(btScalar(body.mass_kg), nullptr, &shape_, principal.moments);
+  btRigidBody::btRigidBodyConstructionInfo what(btScalar(body.mass_kg), nullptr, meeting_.shape_of(body, principal),
+                                                principal.moments);
   what.m_startWorldTransform = btTransform(principal.start, principal.centre);
   what.m_linearDamping = 0;
   what.m_angularDamping = 0;
@@ -196,14 +219,15 @@ void HingeWorld::add(const Body& body) {
   made.setAngularVelocity(bullet(body.spin_rad_s));
   made.setActivationState(DISABLE_DEACTIVATION);
   made.setFlags(BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY);
+  meeting_.introduce(made, rigid_.size() - 1);
   world_.addRigidBody(&made, 0, 0);
 }
 
 void HingeWorld::add(const Joint& joint) {
   btRigidBody& first = *rigid_[joint.first];
   btRigidBody& second = joint.second ? *rigid_[*joint.second] : btTypedConstraint::getFixedBody();
-  constraints_.push_back(
-      std::visit(MakeConstraint{first, second, world_.getSolverInfo().m_erp, joint.motor, step_s_}, joint.kind));
+  constraints_.push_back(std::visit(
+      MakeConstraint{first, second, world_.getSolverInfo().m_erp, joint.motor, joint.stop, step_s_}, joint.kind));
   constraints_.back()->setOverrideNumSolverIterations(-1);
   constraints_.back()->setBreakingImpulseThreshold(SIMD_INFINITY);
   world_.addConstraint(constraints_.back().get(), true);

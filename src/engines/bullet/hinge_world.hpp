@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engines/bullet/bullet_numbers.hpp"
+#include "engines/bullet/meeting.hpp"
 #include "engines/tree/joint_loads.hpp"
 #include "engines/tree/world.hpp"
 #include "odeval/scenario.hpp"
@@ -42,22 +43,26 @@ class HingeWorld final : public engine_tree::World {
 
   long step(double from, double to) override;
   const std::vector<engine_tree::Placed>& bodies() override;
+  engine_tree::Touched touched() override { return meeting_.touched(dispatcher_); }
+  std::vector<Vec3> closing_forces() override;
   Told told() const override;
 
  private:
   void add(const Body& body);
+  void watch(const std::vector<std::size_t>& closing);
   void add(const Joint& joint);
 
+  Meeting meeting_;
   btDefaultCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_{&configuration_};
   btDbvtBroadphase broadphase_;
   btSequentialImpulseConstraintSolver solver_;
   btDiscreteDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
-  btEmptyShape shape_;  // nothing touches
   btScalar step_s_;
   std::vector<Principal> principal_;                 // by the numbers of bodies
   std::vector<std::unique_ptr<btRigidBody>> rigid_;  // likewise
   std::vector<std::unique_ptr<btTypedConstraint>> constraints_;
+  std::vector<std::unique_ptr<btJointFeedback>> closing_;  // of joints that close loops
   std::vector<std::unique_ptr<HeldPair>> pairs_;
   engine_tree::JointLoads<HeldPair*> loads_;
   std::vector<engine_tree::Placed> bodies_;

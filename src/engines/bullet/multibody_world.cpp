@@ -22,16 +22,18 @@ int links_of(const Hanging& hanging) {
 }  // namespace
 
 MultibodyWorld::MultibodyWorld(const Scenario& scenario, double step_s, bool rk4)
-    : step_s_(btScalar(step_s)), rk4_(rk4), bodies_(scenario.mechanism.bodies.size()) {
+    : meeting_(scenario.mechanism), step_s_(btScalar(step_s)), rk4_(rk4), bodies_(scenario.mechanism.bodies.size()) {
+  meeting_.open(world_, configuration_);
   world_.setGravity(btVector3(0, 0, btScalar(-scenario.gravity)));
   set(world_.getSolverInfo(), scenario.bullet);
   plant(scenario.mechanism, engine_tree::hang(scenario.mechanism));
 }
 
 MultibodyWorld::~MultibodyWorld() {
-  for (const auto& motor : motors_) world_.removeMultiBodyConstraint(motor.get());
+  for (const auto& drive : drives_) world_.removeMultiBodyConstraint(drive.get());
   for (const auto& collider : colliders_) world_.removeCollisionObject(collider.get());
   for (const auto& tree : trees_) world_.removeMultiBody(tree.get());
+  meeting_.close(world_);
 }
 
 void MultibodyWorld::plant(const Mechanism& mechanism, const std::vector<Hanging>& hangings) {
@@ -115,13 +117,23 @@ void MultibodyWorld::hang(const Hanging& hanging, double mass_kg, int first_link
 }
 
 void MultibodyWorld::start(const Mechanism& mechanism, const std::vector<Hanging>& hangings) {
+  for (const Hanging& hanging : hangings) {
+    const bool driven =
+        hanging.joint && (mechanism.joints[*hanging.joint].motor || mechanism.joints[*hanging.joint].stop);
+    if (driven || !meeting_.empty()) collide(mechanism, hanging.body);
+  }
   for (const auto& tree : trees_) {
     tree->finalizeMultiDof();
     world_.addMultiBody(tree.get());
+    btAlignedObjectArray<btQuaternion> turns;
+    btAlignedObjectArray<btVector3> origins;
+    tree->forwardKinematics(turns, origins);
+    tree->updateCollisionObjectWorldTransforms(turns, origins);
   }
+  for (const auto& collider : colliders_) world_.addCollisionObject(collider.get(), 0, 0);
   for (const Hanging& hanging : hangings) {
     const Link& link = links_[hanging.body];
-    if (hanging.joint) drive(mechanism.joints[*hanging.joint].motor, link);
+    if (hanging.joint) drive(mechanism.joints[*hanging.joint], link);
     if (!hanging.joint) {
       link.tree->setBaseVel(bullet(mechanism.bodies[hanging.body].velocity_m_s));
       link.tree->setBaseOmega(bullet(hanging.spin_rad_s));
@@ -137,23 +149,39 @@ void MultibodyWorld::start(const Mechanism& mechanism, const std::vector<Hanging
   }
 }
 
-void MultibodyWorld::drive(const std::optional<Motor>& motor, const Link& link) {
-  if (!motor) return;
-  const btScalar most = btScalar(motor->most) * step_s_;  // an impulse
-  btMultiBodyJointMotor& made = *motors_.emplace_back(
-      std::make_unique<btMultiBodyJointMotor>(link.tree, link.number, btScalar(motor->speed), most));
-  made.setVelocityTarget(btScalar(motor->speed), 1);
-  made.setPositionTarget(0, 0);
-  made.setErp(0);
-  made.setRhsClamp(without_limit);
-  made.finalizeMultiDof();
-  // Bullet solves for the joints of what may collide alone.
+void MultibodyWorld::drive(const Joint& joint, const Link& link) {
+  const auto add = [&](std::unique_ptr<btMultiBodyConstraint> made) {
+    made->finalizeMultiDof();
+    world_.addMultiBodyConstraint(made.get());
+    drives_.push_back(std::move(made));
+  };
+  if (const auto& motor = joint.motor) {
+    const btScalar most = btScalar(motor->most) * step_s_;  // an impulse
+    auto made = std::make_unique<btMultiBodyJointMotor>(link.tree, link.number, btScalar(motor->speed), most);
+    made->setVelocityTarget(btScalar(motor->speed), 1);
+    made->setPositionTarget(0, 0);
+    made->setErp(0);
+    made->setRhsClamp(without_limit);
+    add(std::move(made));
+  }
+  if (const auto& stop = joint.stop) {
+    add(std::make_unique<btMultiBodyJointLimitConstraint>(link.tree, link.number, btScalar(stop->low),
+                                                          btScalar(stop->high)));
+  }
+}
+
+/// Bullet solves for the joints of what may collide alone, so that a link with a motor or a stop has a shape as well.
+void MultibodyWorld::collide(const Mechanism& mechanism, std::size_t body) {
+  const Link& link = links_[body];
   btMultiBodyLinkCollider& collider =
       *colliders_.emplace_back(std::make_unique<btMultiBodyLinkCollider>(link.tree, link.number));
-  collider.setCollisionShape(&shape_);
-  link.tree->getLink(link.number).m_collider = &collider;
-  world_.addCollisionObject(&collider, 0, 0);
-  world_.addMultiBodyConstraint(&made);
+  collider.setCollisionShape(meeting_.shape_of(mechanism.bodies[body], principal_[body]));
+  meeting_.introduce(collider, body);
+  if (link.number < 0) {
+    link.tree->setBaseCollider(&collider);
+  } else {
+    link.tree->getLink(link.number).m_collider = &collider;
+  }
 }
 
 void MultibodyWorld::load(double t) {

@@ -3,6 +3,7 @@
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
 #include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
+#include <BulletDynamics/Featherstone/btMultiBodyJointLimitConstraint.h>
 #include <BulletDynamics/Featherstone/btMultiBodyJointMotor.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "engines/bullet/bullet_numbers.hpp"
+#include "engines/bullet/meeting.hpp"
 #include "engines/tree/joint_loads.hpp"
 #include "engines/tree/world.hpp"
 #include "odeval/scenario.hpp"
@@ -26,6 +28,7 @@ class MultibodyWorld final : public engine_tree::World {
 
   long step(double from, double to) override;
   const std::vector<engine_tree::Placed>& bodies() override;
+  engine_tree::Touched touched() override { return meeting_.touched(dispatcher_); }
   Told told() const override;
 
  private:
@@ -38,21 +41,22 @@ class MultibodyWorld final : public engine_tree::World {
   void plant(const Mechanism& mechanism, const std::vector<engine_tree::Hanging>& hangings);
   btMultiBody* add(int links, const Principal* base, double mass_kg);
   void hang(const engine_tree::Hanging& hanging, double mass_kg, int first_link);
-  void drive(const std::optional<Motor>& motor, const Link& link);
+  void drive(const Joint& joint, const Link& link);
+  void collide(const Mechanism& mechanism, std::size_t body);
   void load(double t);
   void start(const Mechanism& mechanism, const std::vector<engine_tree::Hanging>& hangings);
 
+  Meeting meeting_;
   btDefaultCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_{&configuration_};
   btDbvtBroadphase broadphase_;
   btMultiBodyConstraintSolver solver_;
   btMultiBodyDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
-  btEmptyShape shape_;  // nothing touches
   btScalar step_s_;
   bool rk4_;
   std::vector<std::unique_ptr<btMultiBody>> trees_;
-  std::vector<std::unique_ptr<btMultiBodyJointMotor>> motors_;
-  std::vector<std::unique_ptr<btMultiBodyLinkCollider>> colliders_;  // of links with motors
+  std::vector<std::unique_ptr<btMultiBodyConstraint>> drives_;       // motors and stops
+  std::vector<std::unique_ptr<btMultiBodyLinkCollider>> colliders_;  // of links with those, or that touch
   std::vector<Principal> principal_;                                 // by the numbers of bodies, as all that follows
   std::vector<Link> links_;
   engine_tree::JointLoads<Link> loads_;

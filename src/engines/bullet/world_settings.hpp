@@ -9,10 +9,20 @@
 
 namespace odeval::engine_bullet {
 
-/// Every number of the solver that acts on joints.
+/// Every number of the solver that acts on joints and contacts, as Bullet has them where no setting says.
 inline void set(btContactSolverInfo& solver, const BulletSettings& settings) {
   solver.m_numIterations = settings.iterations;
   solver.m_erp = btScalar(settings.erp);
+  solver.m_erp2 = btScalar(settings.erp);  // of contacts
+  solver.m_frictionERP = btScalar(0.2);
+  solver.m_frictionCFM = 0;
+  solver.m_maxErrorReduction = 20;
+  solver.m_splitImpulse = 1;
+  solver.m_splitImpulsePenetrationThreshold = btScalar(-0.04);
+  solver.m_splitImpulseTurnErp = btScalar(0.1);
+  solver.m_linearSlop = 0;
+  solver.m_restitutionVelocityThreshold = btScalar(0.2);
+  solver.m_articulatedWarmstartingFactor = btScalar(0.85);
   solver.m_globalCfm = 0;
   solver.m_tau = btScalar(0.6);
   solver.m_damping = 1;
@@ -21,7 +31,7 @@ inline void set(btContactSolverInfo& solver, const BulletSettings& settings) {
   solver.m_leastSquaresResidualThreshold = 0;
   solver.m_jointFeedbackInWorldSpace = false;
   solver.m_jointFeedbackInJointFrame = false;
-  solver.m_solverMode = SOLVER_USE_WARMSTARTING | SOLVER_SIMD;
+  solver.m_solverMode = SOLVER_USE_WARMSTARTING | SOLVER_SIMD | SOLVER_USE_2_FRICTION_DIRECTIONS;
 }
 
 /// The same, read back.
@@ -37,7 +47,15 @@ inline Told common(const btContactSolverInfo& solver) {
       {"damping", double(solver.m_damping)},
       {"sor", double(solver.m_sor)},
       {"warm_starting", double((solver.m_solverMode & SOLVER_USE_WARMSTARTING) != 0 ? solver.m_warmstartingFactor : 0)},
-      {"residual_threshold", double(solver.m_leastSquaresResidualThreshold)}};
+      {"residual_threshold", double(solver.m_leastSquaresResidualThreshold)},
+      {"friction_directions", std::int64_t{(solver.m_solverMode & SOLVER_USE_2_FRICTION_DIRECTIONS) != 0 ? 2 : 1}},
+      {"contact_erp", double(solver.m_erp2)},
+      {"restitution_threshold", double(solver.m_restitutionVelocityThreshold)},
+      {"split_impulse", std::string(solver.m_splitImpulse != 0 ? "on" : "off")},
+      {"split_impulse_threshold", double(solver.m_splitImpulsePenetrationThreshold)},
+      {"linear_slop", double(solver.m_linearSlop)},
+      {"contact_breaking_threshold", double(gContactBreakingThreshold)},
+      {"contact_processing_threshold", 0.0}};
 }
 
 }  // namespace odeval::engine_bullet

@@ -1,17 +1,30 @@
 #include "engines/dart/dart_world.hpp"
 
 #include <dart/collision/CollisionDetector.hpp>
+#include <dart/collision/CollisionFilter.hpp>
+#include <dart/collision/CollisionObject.hpp>
+#include <dart/collision/CollisionResult.hpp>
+#include <dart/collision/dart/DARTCollisionDetector.hpp>
 #include <dart/config.hpp>
 #include <dart/constraint/ConstraintSolver.hpp>
+#include <dart/constraint/ContactConstraint.hpp>
 #include <dart/dynamics/BallJoint.hpp>
+#include <dart/dynamics/BoxShape.hpp>
 #include <dart/dynamics/DegreeOfFreedom.hpp>
 #include <dart/dynamics/FreeJoint.hpp>
 #include <dart/dynamics/PrismaticJoint.hpp>
 #include <dart/dynamics/RevoluteJoint.hpp>
+#include <dart/dynamics/ShapeNode.hpp>
+#include <dart/dynamics/SphereShape.hpp>
 #include <dart/dynamics/UniversalJoint.hpp>
 #include <dart/dynamics/WeldJoint.hpp>
 
+#include <algorithm>
+#include <map>
 #include <string>
+#include <variant>
+
+#include "odeval/error.hpp"
 
 namespace odeval::engine_dart {
 namespace {
@@ -61,10 +74,72 @@ dd::BodyNode* hang_on(dd::SkeletonPtr& skeleton, const Hanging& hanging, dd::Bod
   return skeleton->createJointAndBodyNodePair<Joint>(parent, joint, body).second;
 }
 
+/// Half spaces are boxes: DART's own collisions, the exact ones for boxes and balls, know no plane.
+constexpr double wide_m = 1000;
+
+/// Who meets whom, by the numbers of touching things.
+class Pairs final : public dart::collision::CollisionFilter {
+ public:
+  Pairs(const engine_tree::Touching& touching, std::map<const dd::ShapeFrame*, std::size_t> numbers)
+      : touching_(touching), numbers_(std::move(numbers)) {}
+  bool ignoresCollision(const dart::collision::CollisionObject* first,
+                        const dart::collision::CollisionObject* second) const override {
+    return touching_.between(numbers_.at(first->getShapeFrame()), numbers_.at(second->getShapeFrame())) == nullptr;
+  }
+
+ private:
+  const engine_tree::Touching& touching_;
+  std::map<const dd::ShapeFrame*, std::size_t> numbers_;
+};
+
+struct ShapeOf {
+  dd::ShapePtr operator()(const Box& box) const { return std::make_shared<dd::BoxShape>(eigen(box.sides_m)); }
+  dd::ShapePtr operator()(const Sphere& ball) const { return std::make_shared<dd::SphereShape>(ball.diameter_m / 2); }
+};
+
+/// A box, and where its centre stands.
+struct Standing {
+  Vec3 sides_m;
+  Eigen::Isometry3d place = Eigen::Isometry3d::Identity();
+};
+struct StandingOf {
+  Standing operator()(const HalfSpace& plane) const {
+    Standing box{{wide_m, wide_m, wide_m}};
+    box.place.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), eigen(plane.normal)).matrix();
+    box.place.translation() = (plane.offset_m - wide_m / 2) * eigen(plane.normal);
+    return box;
+  }
+  Standing operator()(const FixedBox& fixed) const {
+    Standing box{fixed.sides_m};
+    box.place.translation() = eigen(fixed.centre_m);
+    return box;
+  }
+};
+
+/// DART multiplies the restitutions of two things, and takes the lower coefficient of friction.
+dd::ShapeNode* touches_as(dd::BodyNode& node, const dd::ShapePtr& shape, const Contact& contact) {
+  dd::ShapeNode* const made = node.createShapeNodeWith<dd::CollisionAspect, dd::DynamicsAspect>(shape);
+  made->getDynamicsAspect()->setRestitutionCoeff(std::sqrt(contact.restitution));
+  made->getDynamicsAspect()->setFrictionCoeff(contact.friction ? contact.friction->limit : 0);
+  return made;
+}
+
+/// The one way to touch that all pairs have.
+const Contact& only_contact(const std::vector<Contact>& contacts) {
+  const auto coefficient = [](const Contact& contact) { return contact.friction ? contact.friction->limit : 0; };
+  const Contact& first = contacts.front();
+  for (const Contact& other : contacts) {
+    if (other.restitution == first.restitution && coefficient(other) == coefficient(first)) continue;
+    throw UserError("dart-step: DART has restitution and friction of things, not of pairs: all contacts must be alike");
+  }
+  return first;
+}
+
 }  // namespace
 
 DartWorld::DartWorld(const Scenario& scenario, double step_s)
-    : world_(dart::simulation::World::create()),
+    : touching_(scenario.mechanism),
+      world_(dart::simulation::World::create()),
       skeleton_(dd::Skeleton::create()),
       nodes_(scenario.mechanism.bodies.size()),
       bodies_(nodes_.size()) {
@@ -83,13 +158,55 @@ DartWorld::DartWorld(const Scenario& scenario, double step_s)
     for (std::size_t k = 0; k < hanging.degrees.size(); ++k) joint->setVelocity(k, hanging.degrees[k].rate);
     for (std::size_t k = 0; hanging.ball && k < 3; ++k) joint->setVelocity(k, hanging.spin_rad_s[k]);
     if (hanging.degrees.size() == 1) loads_.add(mechanism.joints[*hanging.joint], joint);
-    if (hanging.joint) drive(mechanism.joints[*hanging.joint].motor, *joint);
+    if (hanging.joint) drive(mechanism.joints[*hanging.joint], *joint);
   }
   skeleton_->setMobile(true);
   skeleton_->disableSelfCollisionCheck();
   world_->setGravity({0, 0, -scenario.gravity});
   world_->setTimeStep(step_s);
   world_->addSkeleton(skeleton_);
+  if (!touching_.empty()) meet(mechanism);
+}
+
+void DartWorld::meet(const Mechanism& mechanism) {
+  namespace dc = dart::constraint;
+  const Contact& contact = only_contact(mechanism.contacts);
+  std::map<const dd::ShapeFrame*, std::size_t> numbers;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    numbers[touches_as(*nodes_[i], std::visit(ShapeOf{}, mechanism.bodies[i].shape), contact)] = i;
+  }
+  const dd::SkeletonPtr standing = dd::Skeleton::create("standing");
+  for (std::size_t k = 0; k < mechanism.obstacles.size(); ++k) {
+    const Standing box = std::visit(StandingOf{}, mechanism.obstacles[k].shape);
+    dd::WeldJoint::Properties joint;
+    joint.mName = "joint of obstacle " + std::to_string(k);
+    joint.mT_ParentBodyToJoint = box.place;
+    dd::BodyNode::Properties body;
+    body.mName = "obstacle " + std::to_string(k);
+    dd::BodyNode* const node = standing->createJointAndBodyNodePair<dd::WeldJoint>(nullptr, joint, body).second;
+    numbers[touches_as(*node, ShapeOf{}(Box{box.sides_m}), contact)] = nodes_.size() + k;
+  }
+  standing->setMobile(false);
+  skeleton_->enableSelfCollisionCheck();
+  // DART's own numbers, of all worlds of the process.
+  dc::ContactConstraint::setErrorAllowance(0);
+  dc::ContactConstraint::setErrorReductionParameter(0.01);
+  dc::ContactConstraint::setMaxErrorReductionVelocity(1e-3);
+  dc::ContactConstraint::setConstraintForceMixing(1e-5);
+  dc::ConstraintSolver& solver = *world_->getConstraintSolver();
+  solver.setCollisionDetector(dart::collision::DARTCollisionDetector::create());
+  solver.getCollisionOption().collisionFilter = std::make_shared<Pairs>(touching_, std::move(numbers));
+  world_->addSkeleton(standing);
+}
+
+engine_tree::Touched DartWorld::touched() {
+  engine_tree::Touched touched;
+  if (touching_.empty()) return touched;
+  for (const auto& contact : world_->getLastCollisionResult().getContacts()) {
+    ++touched.contacts;
+    touched.depth = std::max(touched.depth, contact.penetrationDepth);
+  }
+  return touched;
 }
 
 /// A force along a hinge or a slider, from outside: of a joint with a servo DART takes none.
@@ -109,13 +226,19 @@ void DartWorld::press(dd::Joint* joint, double force) {
   }
 }
 
-/// A servo reaches its speed within a step, with no more than its force.
-void DartWorld::drive(const std::optional<Motor>& motor, dd::Joint& joint) {
-  if (!motor) return;
-  joint.setActuatorType(dd::Joint::SERVO);
-  joint.setForceLowerLimit(0, -motor->most);
-  joint.setForceUpperLimit(0, motor->most);
-  motors_.emplace_back(&joint, motor->speed);
+/// A servo reaches its speed within a step, with no more than its force. A stop is where the joint stands still.
+void DartWorld::drive(const Joint& joint, dd::Joint& made) {
+  if (joint.motor) {
+    made.setActuatorType(dd::Joint::SERVO);
+    made.setForceLowerLimit(0, -joint.motor->most);
+    made.setForceUpperLimit(0, joint.motor->most);
+    motors_.emplace_back(&made, joint.motor->speed);
+  }
+  if (joint.stop) {
+    made.setLimitEnforcement(true);
+    made.setPositionLowerLimit(0, joint.stop->low);
+    made.setPositionUpperLimit(0, joint.stop->high);
+  }
 }
 
 dd::BodyNode* DartWorld::make(const Hanging& hanging, dd::BodyNode* parent, const dd::BodyNode::Properties& body) {
@@ -178,6 +301,10 @@ Told DartWorld::told() const {
           {"self_collision", yes(skeleton_->isEnabledSelfCollisionCheck())},
           {"mobile", yes(skeleton_->isMobile())},
           {"actuators", std::string("FORCE")},
+          {"contact_erp", dart::constraint::ContactConstraint::getErrorReductionParameter()},
+          {"contact_cfm", dart::constraint::ContactConstraint::getConstraintForceMixing()},
+          {"contact_error_allowance", dart::constraint::ContactConstraint::getErrorAllowance()},
+          {"contact_max_correcting_velocity", dart::constraint::ContactConstraint::getMaxErrorReductionVelocity()},
           {"collision_detector", world_->getConstraintSolver()->getCollisionDetector()->getType()}};
 }
 

@@ -11,6 +11,7 @@
 
 #include "engines/tree/hanging.hpp"
 #include "engines/tree/joint_loads.hpp"
+#include "engines/tree/touching.hpp"
 #include "engines/tree/world.hpp"
 #include "odeval/scenario.hpp"
 
@@ -22,6 +23,7 @@ class DartWorld final : public engine_tree::World {
 
   long step(double from, double to) override;
   const std::vector<engine_tree::Placed>& bodies() override;
+  engine_tree::Touched touched() override;
   Told told() const override;
 
  private:
@@ -29,8 +31,10 @@ class DartWorld final : public engine_tree::World {
                                  const dart::dynamics::BodyNode::Properties& body);
 
   static void press(dart::dynamics::Joint* joint, double force);
-  void drive(const std::optional<Motor>& motor, dart::dynamics::Joint& joint);
+  void drive(const Joint& joint, dart::dynamics::Joint& made);
+  void meet(const Mechanism& mechanism);
 
+  engine_tree::Touching touching_;
   dart::simulation::WorldPtr world_;
   dart::dynamics::SkeletonPtr skeleton_;                           // all bodies, however many trees they are
   std::vector<dart::dynamics::BodyNode*> nodes_;                   // by the numbers of bodies

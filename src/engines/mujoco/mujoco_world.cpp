@@ -36,7 +36,7 @@ mjModel* compiled(const std::string& text) {
   return model;
 }
 
-/// Every option of MuJoCo's that acts on mechanisms without contacts, and the defaults of the others.
+/// Every option of MuJoCo's, those that no setting says as MuJoCo has them.
 void set(mjOption& options, const Scenario& scenario, double step_s, int integrator) {
   mj_defaultOption(&options);
   options.timestep = step_s;
@@ -51,7 +51,7 @@ void set(mjOption& options, const Scenario& scenario, double step_s, int integra
   options.iterations = 100;
   options.tolerance = 1e-8;
   options.impratio = 1;
-  options.cone = mjCONE_PYRAMIDAL;
+  options.cone = scenario.mujoco.elliptic ? mjCONE_ELLIPTIC : mjCONE_PYRAMIDAL;
   options.jacobian = mjJAC_AUTO;
   options.noslip_iterations = 0;
   options.disableflags = 0;
@@ -62,12 +62,14 @@ void set(mjOption& options, const Scenario& scenario, double step_s, int integra
 
 MujocoWorld::MujocoWorld(const Scenario& scenario, double step_s, const Integrator& integrator)
     : mechanism_(scenario.mechanism),
-      tree_(engine_tree::hang(mechanism_)),
+      tree_(engine_tree::hang(mechanism_, &closing_)),
+      // MuJoCo itself takes no less (refsafe) where softness is told by a time constant and not, as here, by numbers.
+      time_constant_s_(std::fmax(scenario.mujoco.time_constant_s, 2 * step_s)),
       integrator_(integrator.word),
       bodies_(mechanism_.bodies.size()) {
   mju_user_error = &fail;
   mju_user_warning = &ignore;
-  model_.reset(compiled(model_text(mechanism_, tree_)));
+  model_.reset(compiled(model_text(mechanism_, tree_, closing_, time_constant_s_)));
   set(model_->opt, scenario, step_s, integrator.number);
   data_.reset(mj_makeData(model_.get()));
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
@@ -129,6 +131,9 @@ long MujocoWorld::step(double from, double) {
   for (const int warning : {mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC}) {
     if (data_->warning[warning].number > 0) throw Lost("MuJoCo found a number beyond 1e10, or none");
   }
+  for (const int warning : {mjWARN_CONTACTFULL, mjWARN_CNSTRFULL}) {
+    if (data_->warning[warning].number > 0) throw Lost("MuJoCo had no room for all contacts");
+  }
   return 1;
 }
 
@@ -154,6 +159,32 @@ const std::vector<Placed>& MujocoWorld::bodies() {
   return bodies_;
 }
 
+engine_tree::Touched MujocoWorld::touched() {
+  engine_tree::Touched touched;
+  for (int k = 0; k < data_->ncon; ++k) {
+    if (data_->contact[k].dist > 0) continue;
+    ++touched.contacts;
+    touched.depth = std::fmax(touched.depth, -data_->contact[k].dist);
+  }
+  return touched;
+}
+
+// The rows of a loop's equations come in their order; of each the first three are of a point, in the world.
+std::vector<Vec3> MujocoWorld::closing_forces() {
+  std::vector<Vec3> forces;
+  int equation = 0;
+  for (const std::size_t number : closing_) {
+    const int next = equation + equations_of(mechanism_.joints[number].kind);
+    Vec3& force = forces.emplace_back();
+    int row = 0;
+    for (; equation < next; ++equation) {
+      while (row < data_->nefc && !(data_->efc_type[row] == mjCNSTR_EQUALITY && data_->efc_id[row] == equation)) ++row;
+      for (std::size_t k = 0; k < 3; ++k) force[k] += data_->efc_force[row + static_cast<int>(k)];
+    }
+  }
+  return forces;
+}
+
 Told MujocoWorld::told() const {
   const mjOption& options = model_->opt;
   const auto of_names = [](int number, auto... names) { return std::string(std::array{names...}.at(number)); };
@@ -166,6 +197,7 @@ Told MujocoWorld::told() const {
           {"impratio", options.impratio},
           {"cone", of_names(options.cone, "pyramidal", "elliptic")},
           {"jacobian", of_names(options.jacobian, "dense", "sparse", "auto")},
+          {"constraint_time_constant", time_constant_s_},
           {"density", options.density},
           {"viscosity", options.viscosity},
           {"disableflags", std::int64_t{options.disableflags}},

@@ -29,6 +29,8 @@ class MujocoWorld final : public engine_tree::World {
 
   long step(double from, double to) override;
   const std::vector<engine_tree::Placed>& bodies() override;
+  engine_tree::Touched touched() override;
+  std::vector<Vec3> closing_forces() override;
   Told told() const override;
 
  private:
@@ -50,7 +52,9 @@ class MujocoWorld final : public engine_tree::World {
   double rate(const Coordinate& at) const { return data_->qvel[at.speed]; }
 
   Mechanism mechanism_;
+  std::vector<std::size_t> closing_;  // joints that close loops
   std::vector<engine_tree::Hanging> tree_;
+  double time_constant_s_;  // of constraints
   const char* integrator_;
   std::unique_ptr<mjModel, Free> model_;
   std::unique_ptr<mjData, Free> data_;

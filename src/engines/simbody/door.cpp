@@ -1,7 +1,7 @@
 // What the module shows: one function.
 #include <string_view>
 
-#include "engines/simbody/make.hpp"
+#include "engines/simbody/accuracy.hpp"
 #include "engines/simbody/simbody_world.hpp"
 #include "engines/tree/tree_simulation.hpp"
 

@@ -4,9 +4,11 @@
 
 #include <cmath>
 #include <string>
+#include <variant>
 
 #include "engines/tree/hanging.hpp"
 #include "engines/tree/joint_loads.hpp"
+#include "odeval/error.hpp"
 
 namespace odeval::engine_simbody {
 namespace {
@@ -67,6 +69,41 @@ struct Hang {
   }
 };
 
+/// A joint that closes a loop, as equations between two bodies.
+struct Close {
+  SimTK::MobilizedBody& first;
+  SimTK::Transform first_place;
+  SimTK::MobilizedBody& second;  // the ground where it is the world
+  SimTK::Transform second_place;
+
+  using Made = std::vector<SimTK::Constraint>;
+
+  Made operator()(const BallJoint& ball) const { return {hold(ball.anchor_m)}; }
+  Made operator()(const HingeJoint& hinge) const {
+    const SimTK::Rotation axes = along(hinge.axis, SimTK::ZAxis);
+    Made made{hold(hinge.anchor_m)};
+    for (const auto& across : {axes.x(), axes.y()}) {
+      made.push_back(SimTK::Constraint::ConstantAngle(first, ~first_place.R() * across, second,
+                                                      ~second_place.R() * axes.z(), SimTK::Pi / 2));
+    }
+    return made;
+  }
+  Made operator()(const FixedJoint& joint) const {
+    const SimTK::Transform frame(simbody(joint.anchor_m));
+    return {SimTK::Constraint::Weld(first, ~first_place * frame, second, ~second_place * frame)};
+  }
+  template <class Other>
+  Made operator()(const Other&) const {
+    throw UserError("Simbody is given loops of hinges, ball joints and fixed ones, not of other kinds");
+  }
+
+ private:
+  SimTK::Constraint hold(const Vec3& anchor_m) const {
+    const SimTK::Vec3 point = simbody(anchor_m);
+    return SimTK::Constraint::Ball(first, ~first_place * point, second, ~second_place * point);
+  }
+};
+
 using Loads = engine_tree::JointLoads<SimTK::MobilizedBodyIndex>;
 
 /// Simbody asks for them whenever it wants accelerations.
@@ -95,7 +132,8 @@ class SimbodyWorld final : public engine_tree::World {
   SimbodyWorld(const Mechanism& mechanism, const Stepping& stepping)
       : stepping_(stepping), nodes_(mechanism.bodies.size()), bodies_(mechanism.bodies.size()) {
     SimTK::Force::Gravity(forces_, matter_, SimTK::Vec3(0, 0, -stepping.gravity));
-    const std::vector<Hanging> tree = engine_tree::hang(mechanism);
+    std::vector<std::size_t> closing;
+    const std::vector<Hanging> tree = engine_tree::hang(mechanism, &closing);
     SimTK::MobilizedBody ground = matter_.updGround();
     for (const Hanging& hanging : tree) {
       SimTK::MobilizedBody& parent = hanging.parent ? nodes_[*hanging.parent] : ground;
@@ -104,6 +142,7 @@ class SimbodyWorld final : public engine_tree::World {
       if (hanging.degrees.size() == 1) loads_.add(mechanism.joints[*hanging.joint], node.getMobilizedBodyIndex());
     }
     if (!loads_.empty()) SimTK::Force::Custom(forces_, new LoadForces(loads_, matter_));
+    for (const std::size_t joint : closing) close(mechanism.joints[joint], tree);
     system_.realizeTopology();
     start(mechanism, tree);
   }
@@ -137,6 +176,25 @@ class SimbodyWorld final : public engine_tree::World {
     return bodies_;
   }
 
+  // Those of the moment at which the step ended.
+  std::vector<Vec3> closing_forces() override {
+    std::vector<Vec3> forces;
+    const SimTK::State& state = integrator_->getState();
+    if (!loops_.empty()) system_.realize(state, SimTK::Stage::Acceleration);
+    for (const Loop& loop : loops_) {
+      SimTK::Vec3 force(0);
+      for (const SimTK::Constraint& constraint : loop.equations) {
+        const SimTK::Vector_<SimTK::SpatialVec> on_bodies = constraint.getConstrainedBodyForcesAsVector(state);
+        for (SimTK::ConstrainedBodyIndex k(0); k < constraint.getNumConstrainedBodies(); ++k) {
+          if (constraint.getMobilizedBodyFromConstrainedBody(k).getMobilizedBodyIndex() != loop.first) continue;
+          force -= on_bodies[k][1];  // Simbody has them on the other side of the equations
+        }
+      }
+      forces.push_back(ours(force));
+    }
+    return forces;
+  }
+
   Told told() const override {
     int major = 0;
     int minor = 0;
@@ -150,6 +208,28 @@ class SimbodyWorld final : public engine_tree::World {
   }
 
  private:
+  struct Loop {
+    SimTK::MobilizedBodyIndex first;
+    std::vector<SimTK::Constraint> equations;
+  };
+
+  void close(const Joint& joint, const std::vector<Hanging>& tree) {
+    if (joint.loaded())
+      throw UserError("Simbody is given no springs, torques and controllers of a joint that closes a loop");
+    const auto place = [&](std::size_t body) {
+      for (const Hanging& hanging : tree) {
+        if (hanging.body == body) return simbody(hanging.place);
+      }
+      throw MachineError("a body that does not hang");
+    };
+    SimTK::MobilizedBody& first = nodes_[joint.first];
+    SimTK::MobilizedBody& ground = matter_.updGround();
+    loops_.push_back({first.getMobilizedBodyIndex(),
+                      std::visit(Close{first, place(joint.first), joint.second ? nodes_[*joint.second] : ground,
+                                       joint.second ? place(*joint.second) : SimTK::Transform()},
+                                 joint.kind)});
+  }
+
   void start(const Mechanism& mechanism, const std::vector<Hanging>& tree) {
     SimTK::State state = system_.getDefaultState();
     for (const Hanging& hanging : tree) {
@@ -177,7 +257,7 @@ class SimbodyWorld final : public engine_tree::World {
       integrator_ = std::make_unique<SimTK::SemiExplicitEulerIntegrator>(system_, stepping_.step_s);
     }
     integrator_->setAllowInterpolation(chooses_steps());
-    integrator_->setProjectEveryStep(false);
+    integrator_->setProjectEveryStep(!loops_.empty());
     integrator_->setProjectInterpolatedStates(true);
     integrator_->initialize(state);
   }
@@ -198,6 +278,7 @@ class SimbodyWorld final : public engine_tree::World {
   SimTK::GeneralForceSubsystem forces_{system_};
   Loads loads_;
   std::vector<SimTK::MobilizedBody> nodes_;  // by the numbers of bodies
+  std::vector<Loop> loops_;                  // in the order of hang
   std::unique_ptr<SimTK::Integrator> integrator_;
   std::vector<Placed> bodies_;
 };

@@ -59,7 +59,7 @@ class Growth {
   explicit Growth(const Mechanism& mechanism)
       : mechanism_(mechanism), hangs_(mechanism.bodies.size()), used_(mechanism.joints.size()) {}
 
-  std::vector<Hanging> grow() {
+  std::vector<Hanging> grow(std::vector<std::size_t>* closing) {
     hang_on({});
     follow();
     for (std::size_t body = 0; body < hangs_.size(); ++body) {
@@ -67,8 +67,10 @@ class Growth {
       add(body, {}, {});
       follow();
     }
-    for (const bool used : used_) {
-      if (!used) throw MachineError("joints that close a loop are not for engines in joint coordinates");
+    for (std::size_t j = 0; j < used_.size(); ++j) {
+      if (used_[j]) continue;
+      if (closing == nullptr) throw MachineError("joints that close a loop are not for this engine");
+      closing->push_back(j);
     }
     return std::move(tree_);
   }
@@ -128,7 +130,9 @@ Vec3 Place::in_body(const Vec3& direction) const {
           dot(axis_of(rotation, 2), direction)};
 }
 
-std::vector<Hanging> hang(const Mechanism& mechanism) { return Growth(mechanism).grow(); }
+std::vector<Hanging> hang(const Mechanism& mechanism, std::vector<std::size_t>* closing) {
+  return Growth(mechanism).grow(closing);
+}
 
 std::array<double, 9> inertia_of(const Body& body) {
   const Vec3 moments = body.uniform_moments_kgm2();

@@ -47,8 +47,9 @@ struct Hanging {
   Vec3 spin_rad_s{};            // against the parent at t = 0
 };
 
-/// All bodies, each after the one that carries it. Throws MachineError where joints close a loop.
-std::vector<Hanging> hang(const Mechanism& mechanism);
+/// All bodies, each after the one that carries it. `closing` gets the numbers of joints that close loops, which no body
+/// hangs on; without it, MachineError is thrown where there are any.
+std::vector<Hanging> hang(const Mechanism& mechanism, std::vector<std::size_t>* closing = nullptr);
 
 /// About the centre of mass along the body's own axes, by rows.
 std::array<double, 9> inertia_of(const Body& body);

@@ -13,7 +13,8 @@ TreeSimulation::TreeSimulation(const Scenario& scenario, const SampleGrid& grid,
       gravity_(scenario.gravity),
       grid_(grid),
       world_(std::move(world)),
-      tree_(hang(scenario.mechanism)),
+      tree_(hang(scenario.mechanism, &closing_)),
+      impacts_(scenario),
       carried_(scenario.mechanism.bodies.size()) {
   double angle = 0;
   if (view_) {
@@ -29,6 +30,7 @@ Outcome TreeSimulation::run(Recorder recorder) {
     outcome.diverged = true;
     outcome.reason = lost.what() + std::string(" in the step from t = ") + std::to_string(time_of(step_)) + " s";
   }
+  outcome.impacts = impacts_.take();
   return outcome;
 }
 
@@ -47,6 +49,8 @@ void TreeSimulation::move(Recorder& recorder, Outcome& outcome) {
       ++step_;
       if (!recorder) continue;
       follow();
+      touched_ = world_->touched();
+      impacts_.look(time_of(step_ - 1), touched_, before_, bodies_, angles_);
       weigh();
       if (step_ == 1) record_forces(recorder.at(0));  // no step led to t = 0: its sample shows the forces of the first
     }
@@ -79,6 +83,12 @@ void TreeSimulation::weigh() {
     const Vec3 gained = (1 / grid_.step_s) * (bodies_[i].velocity_m_s - before_[i].velocity_m_s);
     carried_[i] = mechanism_.bodies[i].mass_kg * (gained + Vec3{0, 0, gravity_});
   }
+  closed_by_ = world_->closing_forces();
+  for (std::size_t k = 0; k < closed_by_.size(); ++k) {
+    const Joint& joint = mechanism_.joints[closing_[k]];
+    carried_[joint.first] = carried_[joint.first] - closed_by_[k];
+    if (joint.second) carried_[*joint.second] = carried_[*joint.second] + closed_by_[k];
+  }
   for (std::size_t k = tree_.size(); k-- > 0;) {
     const Hanging& hanging = tree_[k];
     if (hanging.parent) carried_[*hanging.parent] = carried_[*hanging.parent] + carried_[hanging.body];
@@ -92,6 +102,7 @@ void TreeSimulation::record(Sample sample) const {
     sample.bodies[i] = {body.position_m, body.rotation, body.velocity_m_s, body.spin_rad_s, angle};
   }
   record_forces(sample);
+  sample.contacts = static_cast<double>(touched_.contacts);
 }
 
 void TreeSimulation::record_forces(Sample sample) const {
@@ -99,6 +110,10 @@ void TreeSimulation::record_forces(Sample sample) const {
     if (!hanging.joint) continue;
     const bool carries = mechanism_.joints[*hanging.joint].carried() == hanging.body;
     sample.joints[*hanging.joint].force = carries ? carried_[hanging.body] : Vec3{} - carried_[hanging.body];
+  }
+  for (std::size_t k = 0; k < closed_by_.size(); ++k) {
+    const Joint& joint = mechanism_.joints[closing_[k]];
+    sample.joints[closing_[k]].force = joint.carried() == joint.first ? closed_by_[k] : Vec3{} - closed_by_[k];
   }
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "engines/tree/hanging.hpp"
+#include "engines/tree/impacts.hpp"
 #include "engines/tree/world.hpp"
 #include "odeval/engine.hpp"
 
@@ -32,12 +33,16 @@ class TreeSimulation final : public Simulation {
   double gravity_;
   SampleGrid grid_;
   std::unique_ptr<World> world_;
+  std::vector<std::size_t> closing_;  // joints that close loops
   std::vector<Hanging> tree_;
-  long step_ = 0;               // of the grid, that have been taken
-  std::vector<Placed> bodies_;  // after them
-  std::vector<Placed> before_;  // before the last of them
-  std::vector<Vec3> carried_;   // by what each body hangs on, N
-  std::vector<double> angles_;  // of links in a plane
+  Impacts impacts_;
+  Touched touched_;              // in the last step
+  long step_ = 0;                // of the grid, that have been taken
+  std::vector<Placed> bodies_;   // after them
+  std::vector<Placed> before_;   // before the last of them
+  std::vector<Vec3> carried_;    // by what each body hangs on, N
+  std::vector<Vec3> closed_by_;  // what closing joints give their first bodies, N
+  std::vector<double> angles_;   // of links in a plane
 };
 
 }  // namespace odeval::engine_tree

@@ -23,6 +23,12 @@ struct Lost : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// What touched in the step that led here.
+struct Touched {
+  long contacts = 0;  // points
+  double depth = 0;   // m, of the deepest of them
+};
+
 /// An engine's world with a mechanism in it.
 class World {
  public:
@@ -35,6 +41,10 @@ class World {
   virtual bool chooses_steps() const { return false; }
   /// By the numbers of bodies; stays until the next call.
   virtual const std::vector<Placed>& bodies() = 0;
+  /// Nothing where no two things may.
+  virtual Touched touched() { return {}; }
+  /// N, on the first body of each joint that closes a loop (hang), in the last step.
+  virtual std::vector<Vec3> closing_forces() { return {}; }
   /// What the engine was told, as it says it.
   virtual Told told() const = 0;
 };

@@ -1,0 +1,222 @@
+// What an ODE user reads first who thinks of leaving: MuJoCo, Bullet, DART and Simbody beside ODE, task by task.
+#include "experiments/should_i_switch.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "experiments/all.hpp"
+#include "experiments/parts.hpp"
+#include "model/generate.hpp"
+#include "odeval/error.hpp"
+
+namespace odeval::experiments {
+namespace engines {
+namespace {
+
+Scenario until(Scenario scenario, double duration_s) {
+  scenario.duration_s = duration_s;
+  return scenario;
+}
+
+/// A slide in a direction, deg.
+Scenario slide(Laboratory& laboratory, double direction_deg) {
+  Scenario scenario = until(laboratory.scenario("friction_slide"), 1);
+  Vec3& velocity = scenario.mechanism.bodies.front().velocity_m_s;
+  const double speed = length(velocity);
+  const double direction = direction_deg * std::numbers::pi / 180;
+  velocity = {speed * std::cos(direction), speed * std::sin(direction), 0};
+  return scenario;
+}
+
+/// The box of the slide at rest, on the level or on a slope of a part of the angle of friction.
+Scenario box_at_rest(Laboratory& laboratory, double part) {
+  Scenario scenario = until(laboratory.scenario("friction_slide"), 1);
+  const double slope = std::atan(scenario.mechanism.contacts.front().friction.value().limit * part);
+  set_slope(scenario, slope);
+  Body& box = scenario.mechanism.bodies.front();
+  const double half = sides_m(box.shape)[2] / 2;
+  box.position_m = {half * std::sin(slope), 0, half * std::cos(slope)};
+  box.attitude = Vec3{0, slope, 0};
+  box.velocity_m_s = {};
+  return scenario;
+}
+
+/// Three bars and four hinges that fall from rest; the middle bar is of this length.
+Scenario four_bar(double middle_m) {
+  Scenario scenario;
+  scenario.name = "four_bar";
+  scenario.duration_s = 0.6;
+  const Vec3 y{0, 1, 0};
+  const std::array<Vec3, 4> points{Vec3{0, 0, 0}, Vec3{0.2, 0, 0.5}, Vec3{0.2 + middle_m, 0, 0.6}, Vec3{1, 0, 0}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3 along = points[i + 1] - points[i];
+    scenario.mechanism.bodies.push_back({.shape = Box{{length(along), 0.05, 0.05}},
+                                         .mass_kg = 1,
+                                         .position_m = 0.5 * (points[i] + points[i + 1]),
+                                         .attitude = Vec3{0, -std::atan2(along[2], along[0]), 0}});
+    Joint joint{.kind = HingeJoint{points[i], y}, .first = i, .second = {}};
+    if (i > 0) joint.second = i - 1;
+    scenario.mechanism.joints.push_back(joint);
+  }
+  scenario.mechanism.joints.push_back({.kind = HingeJoint{points[3], y}, .first = 2, .second = {}});
+  return scenario;
+}
+
+}  // namespace
+
+// clang-format off
+std::span<const Task> tasks() {
+  using L = Laboratory;
+  static const std::array all{
+      Task{"joints", "arms that move freely",
+           {{"double pendulum, 1 s", [](L& l) { return until(l.scenario("double_pendulum"), 1); }, quantity::max_error_q, 1e-3},
+            {"arm of three links, 0.5 s", [](L& l) { return until(l.scenario("three_link_arm"), 0.5); }, quantity::max_error_turn, 1e-3},
+            {"falling PUMA 560, 0.5 s", [](L& l) { return until(l.scenario("puma560_falling"), 0.5); }, quantity::max_error_turn, 1e-3}},
+           "switch-equal-error"},
+      Task{"chains", "long chains",
+           {{"8 links, 0.5 s", [](L& l) { return chain_of(l.scenario("chain"), 8, 0.5); }, quantity::max_error_q, 1e-2},
+            {"16 links, 0.5 s", [](L& l) { return chain_of(l.scenario("chain"), 16, 0.5); }, quantity::max_error_q, 1e-2},
+            {"32 links, 0.5 s", [](L& l) { return chain_of(l.scenario("chain"), 32, 0.5); }, quantity::max_error_q, 1e-2}},
+           "chain"},
+      Task{"loops", "loops of joints",
+           {{"four bars, short", [](L&) { return four_bar(0.6); }, quantity::max_error_turn, 1e-2},
+            {"four bars, long", [](L&) { return four_bar(0.8); }, quantity::max_error_turn, 1e-2},
+            {"Bricard's mechanism, 0.6 s", [](L& l) { return until(l.scenario("iftomm_bricard"), 0.6); }, quantity::max_error_turn, 1e-2}},
+           "switch-equal-error"},
+      Task{"impacts", "impacts",
+           {{"a ball, 1.5 s", [](L& l) { return until(l.scenario("bouncing_ball"), 1.5); }, quantity::max_error_position, 2e-2},
+            {"a link on a wall, 2 s", [](L& l) { return until(l.scenario("wall_pendulum"), 2); }, quantity::max_error_q, 1e-2},
+            {"Newton's cradle, 1 s", [](L& l) { return until(l.scenario("newtons_cradle"), 1); }, quantity::max_error_position, 1e-2}},
+           "wall-pendulum"},
+      Task{"friction", "sliding friction",
+           {{"along an axis", [](L& l) { return slide(l, 0); }, quantity::max_error_position, 1e-2},
+            {"at 22.5 degrees", [](L& l) { return slide(l, 22.5); }, quantity::max_error_position, 1e-2},
+            {"at 45 degrees", [](L& l) { return slide(l, 45); }, quantity::max_error_position, 1e-2}},
+           "friction"},
+      Task{"rest", "standing still",
+           {{"a box on the level", [](L& l) { return box_at_rest(l, 0); }, quantity::max_error_position, 1e-3},
+            {"a box on a slope of half the angle of friction", [](L& l) { return box_at_rest(l, 0.5); }, quantity::max_error_position, 1e-3},
+            {"a box on a slope of 0.99 of it", [](L& l) { return box_at_rest(l, 0.99); }, quantity::max_error_position, 1e-3}},
+           "friction-threshold"}};
+  return all;
+}
+// clang-format on
+
+namespace {
+
+std::string name_of(const Way& way) {
+  return std::string(way.method->name) + (way.settings.empty() ? "" : ": " + way.settings);
+}
+
+std::string sentence_of(const Advice& advice) {
+  const std::string gain = fmt::format("{} times less CPU time", shown(advice.factor));
+  switch (advice.move) {
+    case Move::stay:
+      return "stay";
+    case Move::change_a_setting:
+      return fmt::format("change a setting, {}: {}", advice.settings, gain);
+    case Move::accurate_step:
+      return fmt::format("use accurate_step: {}", gain);
+    case Move::leave:
+      return fmt::format("switch to {}{}: {}", advice.method,
+                         advice.settings.empty() ? "" : " (" + advice.settings + ")", gain);
+  }
+  return {};
+}
+
+report::Cell number(double value) { return finite_cell(std::isfinite(value) ? std::optional(value) : std::nullopt); }
+
+void add_rows(const Task& task, const Stage& stage, const Result& result, report::Table& at_error,
+              report::Table& at_step) {
+  const std::string unit(quantities[stage.quantity].unit);
+  for (std::size_t i = 0; i < result.ways.size(); ++i) {
+    const Way& way = result.ways[i];
+    const Tried& tried = result.tried[i];
+    const bool adaptive = way.method->order == 0;
+    const report::Missing never{"no setting of the ladder keeps it"};
+    const auto kept = [&](report::Cell cell) { return tried.keeps ? std::move(cell) : report::Cell(never); };
+    at_error.rows.push_back({std::string(task.text), std::string(stage.label), name_of(way),
+                             fmt::format("{} {}", shown(stage.budget), unit),
+                             kept(adaptive ? fmt::format("rtol {}", shown(tried.setting))
+                                           : fmt::format("{} ms", shown(1e3 * tried.setting))),
+                             number(tried.error), kept(tried.us_per_s),
+                             kept(result.tried.front().us_per_s / tried.us_per_s)});
+    if (!way.settings.empty() && way.move != Move::change_a_setting) continue;
+    const report::Missing own{"it chooses its own steps"};
+    at_step.rows.push_back({std::string(task.text), std::string(stage.label), name_of(way), unit,
+                            number(tried.error_at_ms), number(tried.drift_J), tried.us_per_step,
+                            adaptive ? report::Cell(own) : report::Cell(1e3 * tried.equal_cpu_s),
+                            adaptive ? report::Cell(own) : number(tried.error_at_cpu)});
+  }
+}
+
+/// What each makes of the energy and the angular momentum of a body that tumbles freely.
+report::Table momentum(Laboratory& laboratory) {
+  report::Table table{.name = "switch-momentum",
+                      .columns = {"method", "angular momentum drift, N m s", "energy drift, J", "error, rad"}};
+  const Scenario scenario = until(laboratory.scenario("free_box"), 2);
+  catalogue::Evaluator evaluator(scenario);
+  for (const Way& way : ways(scenario)) {
+    if (!way.settings.empty()) continue;
+    const catalogue::Evaluation run = evaluator.evaluate(*way.method);
+    const Metrics metrics = evaluator.measure(run, scenario.duration_s);
+    table.rows.push_back({std::string(way.method->name), finite_cell(metrics[quantity::max_angular_momentum_drift]),
+                          finite_cell(metrics[quantity::max_energy_drift]),
+                          finite_cell(metrics[quantity::max_error_turn])});
+  }
+  return table;
+}
+
+}  // namespace
+}  // namespace engines
+
+Content should_i_switch(Laboratory& laboratory, Findings& findings) {
+  using namespace engines;
+  report::Table table{.name = "switch", .columns = {"task", "what to do", "times less CPU time, over the motions"}};
+  report::Table at_error{.name = "switch-equal-error",
+                         .columns = {"task", "motion", "method", "to keep", "setting", "error", "CPU time, µs a second",
+                                     "CPU time of ODE as it is over that"}};
+  report::Table at_step{
+      .name = "switch-equal-step",
+      .columns = {"task", "motion", "method", "unit", "error at 1 ms", "energy drift at 1 ms, J",
+                  "CPU time, µs a step of 1 ms", "step of ODE's CPU time, ms", "error at ODE's CPU time"}};
+  for (const Task& task : tasks()) {
+    table.evidence.emplace_back(task.evidence);
+    const std::string meaning = fmt::format("CPU time of ODE as it is over that of the advice, {}", task.text);
+    const std::string name = fmt::format("switch.{}_gain_at_equal_error", task.name);
+    try {
+      std::vector<Result> results;
+      for (const Stage& stage : task.stages) {
+        results.push_back(result_of(stage, laboratory));
+        add_rows(task, stage, results.back(), at_error, at_step);
+      }
+      const std::optional<Advice> advice = advice_of(results);
+      if (!advice) throw MachineError("nobody keeps the error on every motion");
+      table.rows.push_back({std::string(task.text), sentence_of(*advice),
+                            advice->move == Move::stay
+                                ? std::string("-")
+                                : fmt::format("{} to {}", shown(advice->least), shown(advice->most))});
+      findings.add(name, among(known_by(report::Source::timing, measured(meaning, "", advice->factor)),
+                               {advice->least, advice->most}));
+    } catch (const std::exception& error) {  // the build lacks what the task's reference needs
+      table.rows.push_back({std::string(task.text), report::Missing{error.what()}, std::string("-")});
+      findings.add(name, unavailable(meaning, "", error.what()));
+    }
+  }
+  std::vector<std::string> all;
+  for (const catalogue::Method& method : catalogue::methods()) {
+    if (method.tells) all.emplace_back(method.name);
+  }
+  Content content;
+  content.values = {{"left_out", left_out(all)}, {"worth", worth}};
+  content.exhibits.emplace_back(std::move(table));
+  content.exhibits.emplace_back(std::move(at_error));
+  content.exhibits.emplace_back(std::move(at_step));
+  content.exhibits.emplace_back(momentum(laboratory));
+  return content;
+}
+
+}  // namespace odeval::experiments

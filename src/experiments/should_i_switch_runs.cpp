@@ -1,0 +1,230 @@
+// The runs behind "Should I switch?", and the rule.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <memory>
+
+#include "catalogue/timing.hpp"
+#include "experiments/should_i_switch.hpp"
+#include "output/summary.hpp"
+
+namespace odeval::experiments::engines {
+namespace {
+
+/// Rows of every run, which all steps of the ladder fit.
+constexpr double rows_s = 0.02;
+constexpr double equal_step_s = 1e-3;
+constexpr std::array steps_s{0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001};
+constexpr std::array rtols{1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8};
+constexpr int rounds = 3;
+
+void own(Scenario&) {}
+void ode_as_it_is(Scenario& scenario) {
+  scenario.ode.erp = 0.2;
+  scenario.ode.cfm = 1e-10;
+}
+void firm(Scenario& scenario) {
+  scenario.ode.erp = 0.8;
+  scenario.ode.cfm = 1e-10;
+}
+void soft(Scenario& scenario) {
+  scenario.ode.erp = 0.2;
+  scenario.ode.cfm = 1e-5;
+}
+void half_step(Scenario& scenario) {
+  firm(scenario);
+  scenario.ode.start = Start::half_step;
+}
+void along_sliding(Scenario& scenario) {
+  ode_as_it_is(scenario);
+  scenario.ode.friction_axes = FrictionAxes::sliding;
+}
+void stiff(Scenario& scenario) { scenario.mujoco.time_constant_s = 1e-6; }  // the least that the step lets it have
+void stiff_cone(Scenario& scenario) {
+  stiff(scenario);
+  scenario.mujoco.elliptic = true;
+}
+void patient(Scenario& scenario) { scenario.bullet.iterations = 100; }
+void patient_and_firm(Scenario& scenario) {
+  patient(scenario);
+  scenario.bullet.erp = 0.8;
+}
+
+std::vector<Way> of_ode(const Scenario& scenario, const catalogue::Method& method, const catalogue::Method& quick) {
+  const bool rubs = catalogue::reads(method, "ode.friction_axes", scenario);
+  const bool held = catalogue::reads(method, "ode.erp", scenario);
+  std::vector<Way> ways{{&method, Move::stay, "", ode_as_it_is}};
+  if (held) ways.push_back({&method, Move::change_a_setting, "ERP 0.8", firm});
+  if (held) ways.push_back({&method, Move::change_a_setting, "CFM 1e-5", soft});
+  ways.push_back({&method, Move::change_a_setting, "half-step start and ERP 0.8", half_step});
+  if (rubs) ways.push_back({&method, Move::change_a_setting, "friction along the slide", along_sliding});
+  ways.push_back({&quick, Move::change_a_setting, "dWorldQuickStep", ode_as_it_is});
+  return ways;
+}
+
+class Bench {
+ public:
+  Bench(const Stage& stage, Laboratory& laboratory) : stage_(stage), scenario_(stage.of(laboratory)) {
+    scenario_.sample_s = rows_s;
+    scenario_.step_s = rows_s;
+    catalogue::Evaluator first(scenario_);
+    reference_ = std::make_shared<const Reference>(first.reference());
+  }
+
+  const Scenario& scenario() const { return scenario_; }
+
+  catalogue::Evaluator at(const Way& way, double setting) const {
+    Scenario scenario = scenario_;
+    way.set(scenario);
+    if (way.method->order == 0) {
+      scenario.rtol = setting;
+    } else {
+      scenario.step_s = setting;
+    }
+    return {std::move(scenario), reference_};
+  }
+
+  Metrics metrics(const Way& way, double setting) const {
+    const catalogue::Suspects trials;
+    catalogue::Evaluator evaluator = at(way, setting);
+    const catalogue::Evaluation run = evaluator.evaluate(*way.method);
+    if (run.outcome.diverged || !suspicion(run.outcome).empty()) return {};
+    return evaluator.measure(run, scenario_.duration_s);
+  }
+  double error(const Way& way, double setting) const { return error_of(metrics(way, setting)); }
+  double error_of(const Metrics& metrics) const { return metrics[stage_.quantity].value_or(INFINITY); }
+
+  /// The coarsest setting that keeps the budget where the next finer one keeps it too: no luck.
+  void climb(const Way& way, Tried& tried) const {
+    const std::span<const double> ladder =
+        way.method->order == 0 ? std::span<const double>(rtols) : std::span<const double>(steps_s);
+    bool kept_before = false;
+    for (const double setting : ladder) {
+      const double error = this->error(way, setting);
+      if (kept_before && error <= stage_.budget) return;
+      kept_before = error <= stage_.budget;
+      tried.keeps = kept_before;
+      tried.setting = setting;
+      tried.error = error;
+    }
+  }
+
+ private:
+  const Stage& stage_;
+  Scenario scenario_;
+  std::shared_ptr<const Reference> reference_;
+};
+
+/// CPU time of a simulated second, µs, of each way at a setting of its own, in turns.
+std::vector<double> timed(const Bench& bench, const std::vector<Way>& ways, const std::vector<double>& settings) {
+  std::vector<catalogue::Evaluator> evaluators;
+  evaluators.reserve(ways.size());
+  std::vector<catalogue::TimedRun> runs;
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    evaluators.push_back(bench.at(ways[i], settings[i]));
+    runs.push_back({&evaluators.back(), ways[i].method, 0, 0, {}});
+  }
+  time_in_turns(runs, rounds);
+  std::vector<double> us_per_s;
+  for (const catalogue::TimedRun& run : runs) us_per_s.push_back(1e6 * run.median_s() / bench.scenario().duration_s);
+  return us_per_s;
+}
+
+}  // namespace
+
+std::vector<Way> ways(const Scenario& scenario) {
+  std::vector<Way> all =
+      of_ode(scenario, catalogue::find_method("ode-step-double"), catalogue::find_method("ode-quickstep-double"));
+  const auto add = [&](const catalogue::Method& method, Move move, std::string settings, void (*set)(Scenario&)) {
+    if (method.make != nullptr && catalogue::does(method, scenario)) {
+      all.push_back({&method, move, std::move(settings), set});
+    }
+  };
+  add(catalogue::find_method("ode-rk4-double"), Move::accurate_step, "", own);
+  for (const catalogue::Method& method : catalogue::methods()) {
+    if (!method.tells || method.name.ends_with("-single")) continue;
+    add(method, Move::leave, "", own);
+    if (catalogue::reads(method, "mujoco.time_constant", scenario)) {
+      add(method, Move::leave, "contacts as stiff as its step allows", stiff);
+    }
+    if (catalogue::reads(method, "mujoco.cone", scenario)) {
+      add(method, Move::leave, "stiff contacts, elliptic cone", stiff_cone);
+    }
+    if (catalogue::reads(method, "bullet.iterations", scenario)) add(method, Move::leave, "100 iterations", patient);
+    if (catalogue::reads(method, "bullet.erp", scenario)) {
+      add(method, Move::leave, "100 iterations, ERP 0.8", patient_and_firm);
+    }
+  }
+  return all;
+}
+
+Result result_of(const Stage& stage, Laboratory& laboratory) {
+  const Bench bench(stage, laboratory);
+  Result result{ways(bench.scenario()), {}};
+  result.tried.resize(result.ways.size());
+  std::vector<double> kept;
+  std::vector<double> usual;
+  for (std::size_t i = 0; i < result.ways.size(); ++i) {
+    const Way& way = result.ways[i];
+    Tried& tried = result.tried[i];
+    bench.climb(way, tried);
+    kept.push_back(tried.setting);
+    usual.push_back(way.method->order == 0 ? way.method->rtol : equal_step_s);
+    const Metrics metrics = bench.metrics(way, usual.back());
+    tried.error_at_ms = bench.error_of(metrics);
+    tried.drift_J = metrics[quantity::max_energy_drift].value_or(NAN);
+  }
+  const std::vector<double> at_error = timed(bench, result.ways, kept);
+  const std::vector<double> at_step = timed(bench, result.ways, usual);
+  for (std::size_t i = 0; i < result.ways.size(); ++i) {
+    Tried& tried = result.tried[i];
+    tried.us_per_s = at_error[i];
+    tried.us_per_step = at_step[i] * equal_step_s;
+    if (result.ways[i].method->order == 0) continue;
+    // As many steps a row as the time of ODE's allows.
+    const double rows = std::floor(rows_s / equal_step_s * at_step[0] / at_step[i]);
+    tried.equal_cpu_s = rows_s / std::max(1.0, rows);
+    tried.error_at_cpu = rows < 1 ? INFINITY : bench.error(result.ways[i], tried.equal_cpu_s);
+  }
+  return result;
+}
+
+std::optional<Advice> advice_of(std::span<const Result> results) {
+  struct Sum {
+    Advice advice;
+    double log = 0;
+    std::size_t stages = 0;
+  };
+  std::map<std::pair<std::string, std::string>, Sum> sums;
+  for (const Result& result : results) {
+    // Where ODE as it is does not keep the budget at the ladder's end, its cost there is a lower bound.
+    const double plain = result.tried.front().us_per_s;
+    for (std::size_t i = 0; i < result.ways.size(); ++i) {
+      const Way& way = result.ways[i];
+      if (!result.tried[i].keeps) continue;
+      const double factor = way.move == Move::stay ? 1 : plain / result.tried[i].us_per_s;
+      Sum& sum = sums[{std::string(way.method->name), way.settings}];
+      Advice& advice = sum.advice;
+      if (sum.stages++ == 0) advice = {way.move, std::string(way.method->name), way.settings, 1, factor, factor};
+      advice.least = std::min(advice.least, factor);
+      advice.most = std::max(advice.most, factor);
+      sum.log += std::log(factor);
+    }
+  }
+  std::map<Move, Advice> best;  // of each move
+  double largest = 0;
+  for (auto& [name, sum] : sums) {
+    if (sum.stages < results.size()) continue;
+    sum.advice.factor = std::exp(sum.log / static_cast<double>(sum.stages));
+    largest = std::max(largest, sum.advice.factor);
+    const auto found = best.find(sum.advice.move);
+    if (found == best.end() || found->second.factor < sum.advice.factor) best[sum.advice.move] = sum.advice;
+  }
+  for (const auto& [move, advice] : best) {
+    if (advice.factor * worth >= largest) return advice;
+  }
+  return std::nullopt;
+}
+
+}  // namespace odeval::experiments::engines
