@@ -51,6 +51,11 @@ void patient_and_firm(Scenario& scenario) {
   scenario.bullet.erp = 0.8;
 }
 
+void patient_without_erp(Scenario& scenario) {
+  patient(scenario);
+  scenario.bullet.erp = 0;
+}
+
 std::vector<Way> of_ode(const Scenario& scenario, const catalogue::Method& method, const catalogue::Method& quick) {
   const bool rubs = catalogue::reads(method, "ode.friction_axes", scenario);
   const bool held = catalogue::reads(method, "ode.erp", scenario);
@@ -154,6 +159,7 @@ std::vector<Way> ways(const Scenario& scenario) {
     if (catalogue::reads(method, "bullet.iterations", scenario)) add(method, Move::leave, "100 iterations", patient);
     if (catalogue::reads(method, "bullet.erp", scenario)) {
       add(method, Move::leave, "100 iterations, ERP 0.8", patient_and_firm);
+      add(method, Move::leave, "100 iterations, ERP 0", patient_without_erp);
     }
   }
   return all;

