@@ -49,11 +49,11 @@ enum class Feature : std::uint8_t {
   motors,
   stops,
   bouncing_stops,  // that give a part of the speed back
-  loads,        // springs, torques and controllers of joints
-  inertia,      // a tensor of its own, not that of a uniform solid
-  loops,        // joints that close some
-  rare_joints,  // ODE's kinds that other engines do not have
-  struts,       // springs between points of bodies
+  loads,           // springs, torques and controllers of joints
+  inertia,         // a tensor of its own, not that of a uniform solid
+  loops,           // joints that close some
+  rare_joints,     // ODE's kinds that other engines do not have
+  struts,          // springs between points of bodies
 };
 
 /// The features in words ("friction"), in the order of the enumeration.

@@ -87,8 +87,8 @@ std::span<const Task> tasks() {
             {"Bricard's mechanism, 0.6 s", [](L& l) { return until(l.scenario("iftomm_bricard"), 0.6); }, quantity::max_error_turn, 1e-2}},
            "switch-equal-error"},
       Task{"impacts", "impacts",
-           {{"a ball, 1.5 s", [](L& l) { return until(l.scenario("bouncing_ball"), 1.5); }, quantity::max_error_position, 2e-2},
-            {"a link on a wall, 2 s", [](L& l) { return until(l.scenario("wall_pendulum"), 2); }, quantity::max_error_q, 1e-2},
+           {{"a ball, 1.2 s", [](L& l) { return until(l.scenario("bouncing_ball"), 1.2); }, quantity::max_error_position, 2e-2},
+            {"a link on a wall, 1 s", [](L& l) { return until(l.scenario("wall_pendulum"), 1); }, quantity::max_error_q, 1e-2},
             {"Newton's cradle, 1 s", [](L& l) { return until(l.scenario("newtons_cradle"), 1); }, quantity::max_error_position, 1e-2}},
            "wall-pendulum"},
       Task{"friction", "sliding friction",
@@ -144,7 +144,7 @@ void add_rows(const Task& task, const Stage& stage, const Result& result, report
                                            : fmt::format("{} ms", shown(1e3 * tried.setting))),
                              number(tried.error), kept(tried.us_per_s),
                              kept(result.tried.front().us_per_s / tried.us_per_s)});
-    if (!way.settings.empty() && way.move != Move::change_a_setting) continue;
+    if (!way.shown_at_step()) continue;
     const report::Missing own{"it chooses its own steps"};
     at_step.rows.push_back({std::string(task.text), std::string(stage.label), name_of(way), unit,
                             number(tried.error_at_ms), number(tried.drift_J), tried.us_per_step,

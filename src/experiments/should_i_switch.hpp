@@ -36,6 +36,9 @@ struct Way {
   Move move;
   std::string settings;  // in words; empty: the engine's own
   void (*set)(Scenario&);
+
+  /// At equal step: engines with their own settings, ODE with any.
+  bool shown_at_step() const { return settings.empty() || move == Move::change_a_setting; }
 };
 /// All that this build has for a scenario: ODE as it is first. `setting` of the ladder below is a step in s, or rtol.
 std::vector<Way> ways(const Scenario& scenario);

@@ -15,7 +15,9 @@ namespace {
 /// Rows of every run, which all steps of the ladder fit.
 constexpr double rows_s = 0.02;
 constexpr double equal_step_s = 1e-3;
-constexpr std::array steps_s{0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001};
+constexpr std::array steps_s{0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002};
+/// Of an error this many times the budget at 1 ms no smaller step of the ladder makes one within it.
+constexpr double hopeless = 50;
 constexpr std::array rtols{1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8};
 constexpr int rounds = 3;
 
@@ -112,6 +114,8 @@ class Bench {
       tried.keeps = kept_before;
       tried.setting = setting;
       tried.error = error;
+      const bool last = way.method->order > 0 && setting <= equal_step_s && error > hopeless * stage_.budget;
+      if (last && way.move != Move::stay) return;
     }
   }
 
@@ -121,18 +125,22 @@ class Bench {
   std::shared_ptr<const Reference> reference_;
 };
 
-/// CPU time of a simulated second, µs, of each way at a setting of its own, in turns.
+/// CPU time of a simulated second, µs, of each way at a setting of its own, in turns; 0 where that is 0.
 std::vector<double> timed(const Bench& bench, const std::vector<Way>& ways, const std::vector<double>& settings) {
   std::vector<catalogue::Evaluator> evaluators;
   evaluators.reserve(ways.size());
   std::vector<catalogue::TimedRun> runs;
   for (std::size_t i = 0; i < ways.size(); ++i) {
+    if (settings[i] == 0) continue;
     evaluators.push_back(bench.at(ways[i], settings[i]));
     runs.push_back({&evaluators.back(), ways[i].method, 0, 0, {}});
   }
   time_in_turns(runs, rounds);
   std::vector<double> us_per_s;
-  for (const catalogue::TimedRun& run : runs) us_per_s.push_back(1e6 * run.median_s() / bench.scenario().duration_s);
+  auto run = runs.begin();
+  for (const double setting : settings) {
+    us_per_s.push_back(setting == 0 ? 0 : 1e6 * (run++)->median_s() / bench.scenario().duration_s);
+  }
   return us_per_s;
 }
 
@@ -175,9 +183,11 @@ Result result_of(const Stage& stage, Laboratory& laboratory) {
     const Way& way = result.ways[i];
     Tried& tried = result.tried[i];
     bench.climb(way, tried);
-    kept.push_back(tried.setting);
-    usual.push_back(way.method->order == 0 ? way.method->rtol : equal_step_s);
-    const Metrics metrics = bench.metrics(way, usual.back());
+    kept.push_back(tried.keeps || way.move == Move::stay ? tried.setting : 0);
+    const double own = way.method->order == 0 ? way.method->rtol : equal_step_s;
+    usual.push_back(way.shown_at_step() ? own : 0);
+    if (!way.shown_at_step()) continue;
+    const Metrics metrics = bench.metrics(way, own);
     tried.error_at_ms = bench.error_of(metrics);
     tried.drift_J = metrics[quantity::max_energy_drift].value_or(NAN);
   }
@@ -187,7 +197,7 @@ Result result_of(const Stage& stage, Laboratory& laboratory) {
     Tried& tried = result.tried[i];
     tried.us_per_s = at_error[i];
     tried.us_per_step = at_step[i] * equal_step_s;
-    if (result.ways[i].method->order == 0) continue;
+    if (at_step[i] == 0 || result.ways[i].method->order == 0) continue;
     // As many steps a row as the time of ODE's allows.
     const double rows = std::floor(rows_s / equal_step_s * at_step[0] / at_step[i]);
     tried.equal_cpu_s = rows_s / std::max(1.0, rows);

@@ -54,8 +54,8 @@ const Stage stages[] = {
 };
 constexpr std::size_t stage_count = std::size(stages);
 
-/// What a value does in each of them: the letters of what moves otherwise; "" nothing does; "-" it is refused. After a !
-/// stand engines beside ODE that do not move as whom they are like.
+/// What a value does in each of them: the letters of what moves otherwise; "" nothing does; "-" it is refused. After a
+/// ! stand engines beside ODE that do not move as whom they are like.
 struct Row {
   const char* key;
   const char* value;
