@@ -75,7 +75,7 @@ std::span<const Task> tasks() {
            {{"double pendulum, 1 s", [](L& l) { return until(l.scenario("double_pendulum"), 1); }, quantity::max_error_q, 1e-3},
             {"arm of three links, 0.5 s", [](L& l) { return until(l.scenario("three_link_arm"), 0.5); }, quantity::max_error_turn, 1e-3},
             {"falling PUMA 560, 0.5 s", [](L& l) { return until(l.scenario("puma560_falling"), 0.5); }, quantity::max_error_turn, 1e-3}},
-           "switch-equal-error"},
+           "switch"},
       Task{"chains", "long chains",
            {{"8 links, 0.5 s", [](L& l) { return chain_of(l.scenario("chain"), 8, 0.5); }, quantity::max_error_q, 1e-2},
             {"16 links, 0.5 s", [](L& l) { return chain_of(l.scenario("chain"), 16, 0.5); }, quantity::max_error_q, 1e-2},
@@ -85,7 +85,7 @@ std::span<const Task> tasks() {
            {{"four bars, short", [](L&) { return four_bar(0.6); }, quantity::max_error_turn, 1e-2},
             {"four bars, long", [](L&) { return four_bar(0.8); }, quantity::max_error_turn, 1e-2},
             {"Bricard's mechanism, 0.6 s", [](L& l) { return until(l.scenario("iftomm_bricard"), 0.6); }, quantity::max_error_turn, 1e-2}},
-           "switch-equal-error"},
+           "switch"},
       Task{"impacts", "impacts",
            {{"a ball, 1.2 s", [](L& l) { return until(l.scenario("bouncing_ball"), 1.2); }, quantity::max_error_position, 2e-2},
             {"a link on a wall, 1 s", [](L& l) { return until(l.scenario("wall_pendulum"), 1); }, quantity::max_error_q, 1e-2},
@@ -100,7 +100,7 @@ std::span<const Task> tasks() {
            {{"a box on the level", [](L& l) { return box_at_rest(l, 0); }, quantity::max_error_position, 1e-3},
             {"a box on a slope of half the angle of friction", [](L& l) { return box_at_rest(l, 0.5); }, quantity::max_error_position, 1e-3},
             {"a box on a slope of 0.99 of it", [](L& l) { return box_at_rest(l, 0.99); }, quantity::max_error_position, 1e-3}},
-           "friction-threshold"}};
+           "friction"}};
   return all;
 }
 // clang-format on

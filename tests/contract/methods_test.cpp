@@ -72,10 +72,15 @@ void check_contract(const Scenario& scenario, const catalogue::Method& method) {
     CHECK_NEAR(run.trace.q[i][0], view.q0[i], single ? 1e-6 : 1e-14);
     CHECK_NEAR(run.trace.qd[i][0], view.qd0[i], single ? 1e-6 : 1e-14);
   }
-  // Whatever the method, this second is followed to a tenth of a radian and a tenth of the energy.
+  // Whatever the method, this second is followed to a tenth of a radian and a tenth of the energy. But MuJoCo's
+  // contacts are springs, which hold a link of 3.8 rad/s for up to pi times 20 ms, and its energy with it.
   const Metrics metrics = evaluator.measure(run, 1.0);
-  CHECK(metrics[quantity::max_error_q].value() < 0.1);
-  if (!view.wall || view.wall->restitution == 1) CHECK(*metrics[quantity::max_energy_drift] < 1.0);
+  const bool springs = view.wall && method.name.starts_with("mujoco");
+  CHECK(metrics[quantity::max_error_q].value() < (springs ? 0.5 : 0.1));
+  if (springs) {
+    CHECK(*metrics[quantity::max_energy_drift] < 6);  // all it has at the wall is 4.9 J, and 1 J of the rest
+  } else if (!view.wall || view.wall->restitution == 1)
+    CHECK(*metrics[quantity::max_energy_drift] < 1.0);
   CHECK(metrics[quantity::max_gap].value() <
         (method.name == "maximal-euler" ? 4e-3 : 1e-3));  // explicit Euler opens its joints: 2.9 mm
 
