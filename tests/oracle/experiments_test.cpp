@@ -317,7 +317,7 @@ void check_front(Page& page) {
   CHECK_EQUAL(
       count(front.at(0), [](const report::Block& block) { return std::holds_alternative<report::Text>(block); }), 4);
   CHECK_EQUAL(
-      count(front.at(1), [](const report::Block& block) { return std::holds_alternative<report::Highlight>(block); }),
+      count(front.at(2), [](const report::Block& block) { return std::holds_alternative<report::Highlight>(block); }),
       static_cast<std::ptrdiff_t>(experiments::highlights().size()));
 }
 
