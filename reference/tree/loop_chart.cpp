@@ -84,6 +84,11 @@ bool LoopChart::find(const double* small, State& state) const {
   return true;
 }
 
+bool LoopChart::find_near(const double* small, State& state) const {
+  last_ = state;
+  return find(small, state);
+}
+
 /// Newton's method for coordinates that close the loops and go as far along the chart's directions as wanted.
 bool LoopChart::close(const Eigen::VectorXd& wanted, State& state) const {
   Eigen::Map<Eigen::VectorXd> found(state.data(), coordinates());
@@ -95,6 +100,7 @@ bool LoopChart::close(const Eigen::VectorXd& wanted, State& state) const {
     const Eigen::VectorXd change = mend + free * (of_coordinates_.transpose() * free).partialPivLu().solve(missing);
     if (!change.allFinite()) return false;
     found += change;
+    tree_.normalize(state.data());  // else what is found hangs on the way there, by the square of each step
     if (change.cwiseAbs().maxCoeff() < squared_is_nothing) return true;
   }
   return false;

@@ -30,8 +30,12 @@ class LoopChart {
   /// The state, loops closed and speeds as they let it. Looks for it near the last that was found, or where the chart
   /// was made. False: there is none near.
   [[nodiscard]] bool find(const double* small, State& state) const;
+  /// Likewise near another state, of which `state` has the numbers.
+  [[nodiscard]] bool find_near(const double* small, State& state) const;
   /// Whether a chart around a state would be much the better one there.
   bool is_left_by(const State& state) const;
+  /// Where there are loops; stays until the next call.
+  const Closure& closure(const State& state) const { return tree_.closure(state.data()); }
 
  private:
   Eigen::Index coordinates() const { return of_coordinates_.rows(); }

@@ -168,6 +168,7 @@ class Tree final : public SimbodyTree {
                   const Vec3& direction) override;
   void slope(const double* y, double* dydt) override;
   const Closure& closure(const double* y) override;
+  void normalize(double* y) override;
   Eigen::VectorXd rates(const double* y, const Eigen::VectorXd& speeds) override;
   const std::vector<Placed>& bodies(const double* y) override;
   const std::vector<Placed>& pushed(double dt) override;
@@ -290,6 +291,9 @@ struct Tree::System {
     loops.closure.error = open.cwiseAbs().maxCoeff();
     loops.closure.mend = loops.least(-open);
     loops.closure.implied = rank < loops.equations;
+    const auto holds = loops.factors.matrixR().diagonal().head(rank).cwiseAbs();
+    loops.closure.margin = holds.minCoeff() / holds.maxCoeff();
+    loops.closure.gain = 1 / holds.minCoeff();
   }
 
   /// Accelerations that keep loops closed: `least`, which are the least ones that do where nothing else acts, and what
@@ -470,6 +474,16 @@ const Closure& Tree::closure(const double* y) {
   system_->realize(y, SimTK::Stage::Velocity);
   system_->find_loops();
   return system_->loops.closure;
+}
+
+// Of a body that has one coordinate more than speeds they are the first four.
+void Tree::normalize(double* y) {
+  const System& system = *system_;
+  for (SimTK::MobilizedBodyIndex i(1); i < system.matter.getNumBodies(); ++i) {
+    const SimTK::MobilizedBody& body = system.matter.getMobilizedBody(i);
+    if (body.getNumQ(system.state) == body.getNumU(system.state)) continue;
+    Eigen::Map<Eigen::Vector4d>(y + int(body.getFirstQIndex(system.state))).normalize();
+  }
 }
 
 Eigen::VectorXd Tree::rates(const double* y, const Eigen::VectorXd& speeds) {

@@ -29,6 +29,10 @@ struct Closure {
   Eigen::VectorXd mend;  // speeds that would close all within 1 s, the least ones that do
   Eigen::MatrixXd free;  // speeds that loops allow: unit columns, at right angles to each other
   bool implied = false;  // some of what loops hold follows from the rest
+  /// How much the least of what holds still holds, of the most: 0 where loops may branch off.
+  double margin = 1;
+  /// By how much coordinates move, at the most, for what is open: the inverse of that least.
+  double gain = 0;
 };
 
 /// The state is what Simbody calls Q and U, one after the other. A joint that closes a loop hangs a second part of its
@@ -67,6 +71,8 @@ class SimbodyTree {
   virtual void slope(const double* y, double* dydt) = 0;
   /// Where there are loops; stays until the next call.
   virtual const Closure& closure(const double* y) = 0;
+  /// Gives all quaternions of a state the length 1, whatever length they have.
+  virtual void normalize(double* y) = 0;
   /// The rates of all coordinates at the coordinates of a state and any speeds.
   virtual Eigen::VectorXd rates(const double* y, const Eigen::VectorXd& speeds) = 0;
   /// By the numbers of bodies; stays until the next call.

@@ -42,7 +42,8 @@ double load(const TreeEquations::Axis& axis, double t, const double* y) {
 }  // namespace
 
 TreeEquations::TreeEquations(const Scenario& scenario)
-    : joints_(scenario.mechanism.joints),
+    : bodies_(scenario.mechanism.bodies.size()),
+      joints_(scenario.mechanism.joints),
       planar_(scenario.planar),
       tree_(spanning_tree(scenario.mechanism)),
       simbody_(open_simbody_tree(scenario.mechanism, tree_, scenario.gravity)),

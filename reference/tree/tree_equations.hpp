@@ -61,6 +61,7 @@ class TreeEquations {
   /// The state at t = 0.
   const State& start() const { return start_; }
   const std::vector<Axis>& axes() const { return axes_; }
+  std::size_t bodies() const { return bodies_; }
   /// How many loops the joints close.
   std::size_t loops() const { return loops_; }
   /// Whether every joint's force is known: not where loops hold something twice.
@@ -139,6 +140,7 @@ class TreeEquations {
   Eigen::VectorXd impulses(const double* y, const Strike& strike, const std::optional<Eigen::VectorXd>& most) const;
   void push(double t, const double* y, const Grips& grips, const std::vector<double>& held) const;
 
+  std::size_t bodies_;
   std::vector<Joint> joints_;
   std::shared_ptr<const PlanarView> planar_;
   std::vector<Branch> tree_;

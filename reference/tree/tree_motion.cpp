@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "odeval/error.hpp"
 #include "reference/planar/wall_bounce.hpp"
@@ -24,6 +25,11 @@ constexpr int looks = 4;
 /// off are known ever less well, so that steps become ever smaller.
 constexpr long steps_of_progress = 200;
 constexpr double least_progress = 1e-6;
+
+/// A passage is tried where the loops' margin has fallen to this part of its largest: in a four-bar linkage 0.4 rad
+/// before it lies in a line, from where polynomials across are good to rounding.
+constexpr double narrow = 0.4;
+constexpr double anything = std::numeric_limits<double>::infinity();
 
 /// So many changes without a way between them are no motion.
 constexpr int most_in_a_row = 100;
@@ -57,7 +63,11 @@ TreeMotion::TreeMotion(const TreeEquations& equations, const Scenario& scenario,
           chart_->size(),
           [this](double t, const double* y, double* dydt) { equations_.slope(*chart_, t, y, dydt, grips_); },
           tolerances, scenario.name, scenario.duration_s),
-      state_(equations.start()) {
+      state_(equations.start()),
+      may_pass_(
+          !chart_->trivial() && !equations.samples() && equations.points().empty() &&
+          std::ranges::none_of(equations.axes(), [](const Axis& axis) { return axis.joint.motor || axis.joint.stop; })),
+      tried_(anything) {
   for (const Axis& axis : equations.axes()) {
     for (const Signal& torque : axis.joint.torques) add_bends(bends_, torque);
     for (const Controller& controller : axis.joint.controllers) add_bends(bends_, controller.target);
@@ -111,9 +121,14 @@ void TreeMotion::advance() {
   if (change_) {
     grips_ = std::move(change_->grips);
     chart_ = std::move(change_->chart);
+    begin_ = std::exchange(end_, change_->end());
+    passage_ = std::move(change_->passage);
+    margin_ = 0;
     solver_.start(end_, chart_->small(change_->after).data());
     change_.reset();
+    if (passage_) return;
   }
+  passage_.reset();
   require_progress();
   begin_ = end_;
   const double known = next_known_time();
@@ -125,6 +140,8 @@ void TreeMotion::advance() {
     happen(*event);
   } else if (end_ >= known) {
     happen_at_known_time();
+  } else if (std::shared_ptr<const Passage> passage = next_passage()) {
+    happen(std::move(passage));
   } else if (!chart_->trivial() && chart_->is_left_by(at(end_))) {
     leave_chart();
   }
@@ -142,6 +159,7 @@ void TreeMotion::require_loops_that_go_on() {
 }
 
 const TreeMotion::State& TreeMotion::at(double t) {
+  if (passage_) return state_ = passage_->way.at(t);
   if (solver_.steps() == 0) return state_;
   solver_.interpolate(t, small_.data());
   if (chart_->find(small_.data(), state_)) return state_;
@@ -302,6 +320,32 @@ void TreeMotion::leave_chart() {
   Change change{end_, at(end_), {}, grips_, {}, {}, {}};
   change.jump = [](const State& y) { return y; };
   change.after = change.before;
+  change_to(std::move(change));
+}
+
+/// Where the loops' margin falls to 0 soon, if it goes on as it does: as far beyond that moment.
+std::shared_ptr<const Passage> TreeMotion::next_passage() {
+  if (!may_pass_) return nullptr;
+  const State& now = at(end_);
+  const double margin = chart_->closure(now).margin;
+  const double rate = (margin - std::exchange(margin_, margin)) / (end_ - begin_);
+  widest_ = std::fmax(widest_, margin);
+  if (margin > narrow * widest_) tried_ = anything;
+  if (rate >= 0 || margin > narrow * widest_ || margin > tried_ / 2) return nullptr;
+  tried_ = margin;
+  const double until = end_ - 2 * margin / rate;
+  if (until > next_known_time()) return nullptr;
+  std::optional<Passage> passage = pass({equations_, chart_, grips_, end_, until}, now);
+  return passage ? std::make_shared<const Passage>(*std::move(passage)) : nullptr;
+}
+
+void TreeMotion::happen(std::shared_ptr<const Passage> passage) {
+  Change change{end_, at(end_), passage->way.last(), grips_, {}, {}, {}, passage};
+  const Across across{equations_, chart_, grips_, end_, passage->way.end()};
+  change.jump = [across, passage](const State& y) {
+    const std::optional<Way> way = pass_near(across, y, passage->way);
+    return way ? way->last() : State(y.size(), std::numeric_limits<double>::quiet_NaN());
+  };
   change_to(std::move(change));
 }
 

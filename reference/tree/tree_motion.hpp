@@ -3,7 +3,7 @@
 //
 // Such a moment is located on the solver's own polynomial: a joint strikes its stop or is pressed off it no more, a
 // motor reaches its speed or the force it needs for that reaches its limit, bodies meet. Steps end at the known times
-// at which controllers look and tables bend.
+// at which controllers look and tables bend. Across a pose at which loops may branch off goes a step of another kind.
 #include <functional>
 #include <memory>
 #include <optional>
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "reference/cvode_solver.hpp"
+#include "reference/tree/passage.hpp"
 #include "reference/tree/tree_equations.hpp"
 
 namespace odeval::reference {
@@ -28,6 +29,9 @@ class TreeMotion {
     std::shared_ptr<const LoopChart> chart;             // likewise
     std::function<State(const State&)> jump;            // from before to after, of states beside it as well
     std::function<double(double, const State&)> cause;  // reaches a bound then; empty: the time was known
+    std::shared_ptr<const Passage> passage = {};        // takes from before to after, in a time of its own
+
+    double end() const { return passage ? passage->way.end() : t; }
   };
 
   /// The equations must outlive it.
@@ -75,6 +79,8 @@ class TreeMotion {
   void require_clear_start() const;
   void happen_at_known_time();
   void leave_chart();
+  std::shared_ptr<const Passage> next_passage();
+  void happen(std::shared_ptr<const Passage> passage);
   void require_loops_that_go_on();
   void change_to(Change change);
 
@@ -89,7 +95,12 @@ class TreeMotion {
   CvodeSolver solver_;
   State state_;
   State small_;
-  std::vector<double> bends_;  // of tables, rising
+  std::shared_ptr<const Passage> passage_;  // that the last piece is, in the place of a step
+  bool may_pass_;                           // nothing stops or drives a joint, or looks once a step
+  double margin_ = 0;                       // of the loops at end_; 0 where it is not known
+  double widest_ = 0;                       // the largest so far
+  double tried_;                            // the margin at which a passage was tried last
+  std::vector<double> bends_;               // of tables, rising
   double begin_ = 0;
   double end_ = 0;
   double marked_s_ = 0;  // end_ when progress was looked at last

@@ -51,7 +51,7 @@ std::unique_ptr<Simulation> make(const Scenario& scenario, const SampleGrid& gri
   Scenario whole = scenario;
   whole.ode.gyroscopic = true;  // of [ode] it obeys the bounce alone
   whole.ode.rotation = Turning::infinitesimal;
-  whole.step_s /= parts;  // by which ERP and CFM of a suspension are its spring and damper
+  whole.step_s = grid.step_s / parts;  // at which ERP and CFM are the suspension's spring and damper
   return engine_ode::odeval_ode_double().make_stepped(whole, grid, &stepper<order, parts>);
 }
 

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "catalogue/methods.hpp"
 #include "catalogue/paths.hpp"
@@ -97,6 +98,87 @@ double mechanical(const Run& run, std::size_t k) {
   return run.trace.kinetic[k] + run.trace.potential[k] + struts(run, k).energy;
 }
 
+// ---- A02
+
+/// The angle of the bars from upright at the times of a run: I q'' = W sin q, of bars that turn and bars that go along.
+std::vector<double> angles_of_bars(double linkages, const SampleGrid& grid) {
+  const double inertia = (linkages + 1) / 3 + linkages;
+  const double weight = 9.81 * ((linkages + 1) / 2 + linkages);
+  const auto pull = [&](long double at) { return weight / inertia * std::sin(at); };
+  constexpr long parts_of_second = 10000;  // classical Runge-Kutta: 1e-14 at this step
+  constexpr long double h = 1.0L / parts_of_second;
+  long double q = 0;
+  long double rate = 1;
+  long taken = 0;
+  std::vector<double> angles;
+  for (long row = 0; row < grid.rows; ++row) {
+    for (; taken < std::lround(grid.time(row) * parts_of_second); ++taken) {
+      const long double a1 = pull(q), v2 = rate + h / 2 * a1, a2 = pull(q + h / 2 * rate);
+      const long double v3 = rate + h / 2 * a2, a3 = pull(q + h / 2 * v2);
+      const long double v4 = rate + h * a3, a4 = pull(q + h * v3);
+      q += h / 6 * (rate + 2 * v2 + 2 * v3 + v4);
+      rate += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+    }
+    angles.push_back(static_cast<double>(q));
+  }
+  return angles;
+}
+
+/// How far the worst of the bars that stand is from the pendulum that they are.
+double off_pendulum(const Rotation& bar, double angle) {
+  const Vec3 up = axis_of(bar, 2);
+  return std::fabs(std::remainder(std::atan2(up[0], up[2]) - angle, 2 * std::numbers::pi));
+}
+
+void four_bars() {
+  constexpr std::size_t linkages = 40;
+  const Run bars = run(read("iftomm_four_bars"), 0.05);
+  const std::vector<double> wanted = angles_of_bars(linkages, bars.grid);
+  double off = 0;
+  double drift = 0;
+  for (std::size_t k = 0; k < bars.motion.size(); ++k) {
+    for (std::size_t i = 0; i <= linkages; ++i) {
+      off = std::fmax(off, off_pendulum(bars.motion[k].bodies[i].rotation, wanted[k]));
+    }
+    drift = std::fmax(drift, std::fabs(mechanical(bars, k) - mechanical(bars, 0)));
+  }
+  std::printf("four bars: turned by %.3g rad, %.3g rad off the pendulum that they are, energy %.3g J of 600 off\n",
+              wanted.back(), off, drift);
+  CHECK_BETWEEN(wanted.back(), 1.5 * std::numbers::pi, 10);  // past both poses in a line
+  CHECK_BETWEEN(off, 0, 1e-9);
+  CHECK_BETWEEN(drift, 0, 1e-8);
+  check_constraints("four bars", bars);
+}
+
+/// Two of them: what the reference states through both poses.
+void two_linkages() {
+  Scenario scenario = read("iftomm_four_bars");
+  Mechanism& all = scenario.mechanism;
+  const auto keep = [&](std::size_t number) { return number <= 2 || number == 41 || number == 42; };
+  const auto renumber = [](std::size_t number) { return number <= 2 ? number : number - 38; };
+  std::erase_if(all.joints,
+                [&](const Joint& joint) { return !keep(joint.first) || (joint.second && !keep(*joint.second)); });
+  for (Joint& joint : all.joints) {
+    joint.first = renumber(joint.first);
+    if (joint.second) joint.second = renumber(*joint.second);
+  }
+  all.bodies = {all.bodies[0], all.bodies[1], all.bodies[2], all.bodies[41], all.bodies[42]};
+  const SampleGrid grid{0.05, 1, 31};
+  const Reference reference = reference::solve_tree(scenario, grid);
+  const std::vector<double> wanted = angles_of_bars(2, grid);
+  double most = 0;
+  for (std::size_t k = 1; k < wanted.size(); ++k) {
+    for (std::size_t i = 0; i <= 2; ++i) {
+      Rotation bar{};
+      for (std::size_t j = 0; j < 9; ++j) bar[j] = reference.trace.bodies[i].rotation[j][k];
+      most = std::fmax(most, off_pendulum(bar, wanted[k]) / reference.uncertainty_turn[k]);
+    }
+  }
+  std::printf("two linkages: %.3g of what is stated, %.3g rad at the end\n", most, reference.uncertainty_turn.back());
+  CHECK_BETWEEN(most, 0, 1);
+  CHECK_BETWEEN(reference.uncertainty_turn.back(), 1e-14, 5e-9);
+}
+
 // ---- A03
 
 /// The Test Set for IVP Solvers' reference solution at t = 0.03: angles of its seven coordinates, rad.
@@ -170,6 +252,8 @@ void governor() {
 }  // namespace
 
 int main() {
+  four_bars();
+  two_linkages();
   squeezer();
   bricard();
   governor();

@@ -287,6 +287,7 @@ void files_ask_for_what_they_hold() {
         Feature::loads}},
       {"acrobot", {Feature::space, Feature::joints_in_space, Feature::loads, Feature::inertia}},
       {"iftomm_bricard", {Feature::space, Feature::joints_in_space, Feature::loops}},
+      {"iftomm_four_bars", {Feature::space, Feature::joints_in_space, Feature::inertia, Feature::loops}},
       {"iftomm_governor", {Feature::space, Feature::joints_in_space, Feature::inertia, Feature::struts}},
       {"iftomm_squeezer",
        {Feature::space, Feature::joints_in_space, Feature::inertia, Feature::loads, Feature::loops, Feature::struts}},
