@@ -47,13 +47,12 @@ constexpr std::array table{
 
 #ifdef ODEVAL_HAVE_SIMBODY
 constexpr Features known = known_of_bodies | known_of_chains | known_of_trees;
-constexpr std::string_view trees = ", trees of bodies on joints that start closed";
+constexpr std::string_view mechanisms = ", bodies on joints that start closed";
 constexpr std::string_view without = "";
 #else
 constexpr Features known = known_of_bodies | known_of_chains;
-constexpr std::string_view trees = "";
-constexpr std::string_view without =
-    "; this build has no Simbody (libsimbody-dev), which trees of bodies on joints need";
+constexpr std::string_view mechanisms = "";
+constexpr std::string_view without = "; this build has no Simbody (libsimbody-dev), which bodies on joints need";
 #endif
 
 }  // namespace
@@ -77,7 +76,8 @@ const ReferenceProvider& provider_for(const Scenario& scenario) {
   throw UserError(scenario.file +
                   ": there is no reference for these bodies, joints and contacts together: there are references of " +
                   "chains in a plane (against a wall one box, or two balls), bodies alone, one or two bodies on one " +
-                  "joint, balls on a plane, and a box that rubs on one" + std::string(trees) + std::string(without));
+                  "joint, balls on a plane, and a box that rubs on one" + std::string(mechanisms) +
+                  std::string(without));
 }
 
 Scenario half_a_step_earlier(const Scenario& scenario) {

@@ -100,6 +100,14 @@ std::optional<Way> guess(const Across& across, const State& from) {
   return way;
 }
 
+/// When a guess is at the pose: margins fall to 0 there in proportion to the time, and rise from it.
+double pose_on(const Across& across, const Way& way) {
+  constexpr std::size_t before = nodes_of_a_guess / 2;  // after the first state, which is at the start
+  const double falling = across.chart->closure(way.state(before)).margin;
+  const double rising = across.chart->closure(way.state(before + 1)).margin;
+  return way.time(before) + (way.time(before + 1) - way.time(before)) * falling / (falling + rising);
+}
+
 /// Fixed-point iteration, until it changes nothing but rounding.
 std::optional<Way> collocate(const Across& across, const State& from, unsigned count, const Way& near) {
   const Rule rule(count);
@@ -175,8 +183,11 @@ Way::State Way::at(double t) const {
   return sum;
 }
 
-std::optional<Passage> pass(const Across& across, const State& from) {
-  const std::optional<Way> rough = guess(across, from);
+std::optional<Passage> pass(Across across, const State& from) {
+  std::optional<Way> rough = guess(across, from);
+  if (!rough) return std::nullopt;
+  across.end_s = 2 * pose_on(across, *rough) - across.begin_s;
+  rough = guess(across, from);
   if (!rough) return std::nullopt;
   const std::optional<Way> coarse = collocate(across, from, nodes - 2, *rough);
   if (!coarse) return std::nullopt;

@@ -22,6 +22,8 @@ class Way {
   void add(double t, State state);
   double begin() const { return times_.front(); }
   double end() const { return times_.back(); }
+  double time(std::size_t i) const { return times_[i]; }
+  const State& state(std::size_t i) const { return states_[i]; }
   const State& last() const { return states_.back(); }
   State at(double t) const;
 
@@ -45,10 +47,10 @@ struct Passage {
   std::vector<double> unsure_end;  // numbers of a small state
 };
 
-/// From a state. Two collocations, of which one has two nodes less: their difference is what the passage states.
-/// Nothing where they differ by more than `most_unsure`, or loops do not stay closed between the nodes: the motion does
-/// not go on smoothly.
-std::optional<Passage> pass(const Across& across, const TreeEquations::State& from);
+/// From a state, to as far beyond the pose as that lies before it. Two collocations, of which one has two nodes less:
+/// their difference is what the passage states. Nothing where they differ by more than `most_unsure`, or loops do not
+/// stay closed between the nodes: the motion does not go on smoothly.
+std::optional<Passage> pass(Across across, const TreeEquations::State& from);
 /// From another state near it. Nothing likewise.
 std::optional<Way> pass_near(const Across& across, const TreeEquations::State& from, const Way& way);
 

@@ -26,9 +26,9 @@ constexpr int looks = 4;
 constexpr long steps_of_progress = 200;
 constexpr double least_progress = 1e-6;
 
-/// A passage is tried where the loops' margin has fallen to this part of its largest: in a four-bar linkage 0.4 rad
+/// A passage is tried where the loops' margin has fallen to this part of its largest: in a four-bar linkage 0.5 rad
 /// before it lies in a line, from where polynomials across are good to rounding.
-constexpr double narrow = 0.4;
+constexpr double narrow = 0.5;
 constexpr double anything = std::numeric_limits<double>::infinity();
 
 /// So many changes without a way between them are no motion.
@@ -323,7 +323,7 @@ void TreeMotion::leave_chart() {
   change_to(std::move(change));
 }
 
-/// Where the loops' margin falls to 0 soon, if it goes on as it does: as far beyond that moment.
+/// Where the loops' margin falls to 0 soon, if it goes on as it does.
 std::shared_ptr<const Passage> TreeMotion::next_passage() {
   if (!may_pass_) return nullptr;
   const State& now = at(end_);
@@ -333,10 +333,9 @@ std::shared_ptr<const Passage> TreeMotion::next_passage() {
   if (margin > narrow * widest_) tried_ = anything;
   if (rate >= 0 || margin > narrow * widest_ || margin > tried_ / 2) return nullptr;
   tried_ = margin;
-  const double until = end_ - 2 * margin / rate;
-  if (until > next_known_time()) return nullptr;
-  std::optional<Passage> passage = pass({equations_, chart_, grips_, end_, until}, now);
-  return passage ? std::make_shared<const Passage>(*std::move(passage)) : nullptr;
+  std::optional<Passage> passage = pass({equations_, chart_, grips_, end_, end_ - 2 * margin / rate}, now);
+  if (!passage || passage->way.end() > next_known_time()) return nullptr;
+  return std::make_shared<const Passage>(*std::move(passage));
 }
 
 void TreeMotion::happen(std::shared_ptr<const Passage> passage) {

@@ -68,7 +68,7 @@ inline constexpr std::array problems{
             .frame = space_frame,
             .joint = true},
     Problem{.name = "mechanism",
-            .summary = "bodies on joints of any kind, as a tree; beside a reference in generalized coordinates",
+            .summary = "bodies on joints of any kind, in trees and loops; beside a reference in generalized coordinates",
             .planar = false,
             .links = 0,
             .frame = space_frame,
