@@ -114,6 +114,9 @@ Scenario loops(unsigned seed, std::size_t kinds) {
   lay_in_plane(scenario);
   close_loops(scenario, seed, kinds);
   load(scenario, seed);
+  // Loops that are near to holding something twice are at odds with themselves by the error of their joints: ODE answers
+  // with that over its CFM, which at 1e-10 is of third order in the step and hides the first.
+  scenario.ode.cfm = 1e-8;
   scenario.name = "loops" + std::to_string(seed) + " of " + std::to_string(kinds) + " kinds";
   return scenario;
 }
