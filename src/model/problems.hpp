@@ -67,12 +67,13 @@ inline constexpr std::array problems{
             .links = 0,
             .frame = space_frame,
             .joint = true},
-    Problem{.name = "mechanism",
-            .summary = "bodies on joints of any kind, in trees and loops; beside a reference in generalized coordinates",
-            .planar = false,
-            .links = 0,
-            .frame = space_frame,
-            .joints = true},
+    Problem{
+        .name = "mechanism",
+        .summary = "bodies on joints of any kind, in trees and loops; beside a reference in generalized coordinates",
+        .planar = false,
+        .links = 0,
+        .frame = space_frame,
+        .joints = true},
 };
 
 }  // namespace odeval

@@ -114,8 +114,8 @@ Scenario loops(unsigned seed, std::size_t kinds) {
   lay_in_plane(scenario);
   close_loops(scenario, seed, kinds);
   load(scenario, seed);
-  // Loops that are near to holding something twice are at odds with themselves by the error of their joints: ODE answers
-  // with that over its CFM, which at 1e-10 is of third order in the step and hides the first.
+  // Loops that are near to holding something twice are at odds with themselves by the error of their joints: ODE
+  // answers with that over its CFM, which at 1e-10 is of third order in the step and hides the first.
   scenario.ode.cfm = 1e-8;
   scenario.name = "loops" + std::to_string(seed) + " of " + std::to_string(kinds) + " kinds";
   return scenario;
@@ -174,7 +174,7 @@ int main(int argc, char** argv) {
   each("plain", 5, plain_tree);
   each("trees", 30,
        [](unsigned seed) { all_and_those_that_converge([&](std::size_t kinds) { return loaded_tree(seed, kinds); }); });
-  each("loops", 10,
+  each("loops", 6,
        [](unsigned seed) { all_and_those_that_converge([&](std::size_t kinds) { return loops(seed, kinds); }); });
   each("driven", 12, driven_tree);
   return test::verdict();
