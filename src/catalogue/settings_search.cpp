@@ -11,38 +11,13 @@
 #include "catalogue/accuracy.hpp"
 #include "catalogue/engine_settings.hpp"
 #include "catalogue/grid_runs.hpp"
+#include "catalogue/searched_settings.hpp"
 #include "odeval/error.hpp"
-#include "output/bytes.hpp"
 #include "output/number.hpp"
 #include "output/summary.hpp"
 #include "reference/providers.hpp"
 
-namespace odeval {
-
-template <class Way, class Value>
-requires bytes::is<Value, Change>
-void pass(Way& way, Value& change) {
-  auto& [key, before, value, steps_without, cost_without] = change;
-  each(way, key, before, value, steps_without, cost_without);
-}
-
-template <class Way, class Value>
-requires bytes::is<Value, Reached>
-void pass(Way& way, Value& reached) {
-  auto& [value, uncertainty] = reached;
-  each(way, value, uncertainty);
-}
-
-template <class Way, class Value>
-requires bytes::is<Value, Recommended>
-void pass(Way& way, Value& run) {
-  auto& [method, kind, place, changes, knob, before, setting, reached, steps, why_not, cpu_per_s, cpu_spread, command] =
-      run;
-  each(way, method, kind, place, changes, knob, before, setting, reached, steps, why_not, cpu_per_s, cpu_spread,
-       command);
-}
-
-namespace catalogue {
+namespace odeval::catalogue {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -67,40 +42,6 @@ constexpr long rows_of_references = 300'000;  // that are kept: some 100 MB
 // CPU time of a QuickStep beside its iterations, in iterations: 8 of a double pendulum, 7 of an arm of three links, 10
 // of a sliding box (ODE 0.16.2).
 constexpr double beside_iterations = 8;
-
-struct Row {
-  std::string_view key;
-  bool together;  // tried in every combination with the others, since they act on the same error
-  std::span<const std::string_view> values;
-  std::string (*own)(const OdeSettings&);
-};
-
-// What is tried of ODE's settings. The values that promise most stand first, so that the rest need one run each to be
-// seen to be no better.
-constexpr std::array<std::string_view, 2> starts{"half-step", "as-given"};
-constexpr std::array<std::string_view, 7> erps{"1", "0.8", "0.6", "0.4", "0.2", "0.1", "0.9"};
-constexpr std::array<std::string_view, 2> rotations{"finite", "infinitesimal"};
-constexpr std::array<std::string_view, 2> axes{"sliding", "plane-space"};
-constexpr std::array<std::string_view, 4> cfms{"1e-10", "1e-08", "1e-06", "1e-05"};
-constexpr std::array<std::string_view, 6> iterations{"5", "10", "20", "40", "80", "160"};
-constexpr std::array<std::string_view, 5> sor_ws{"1", "1.2", "1.4", "1.6", "1.8"};
-
-constexpr std::array rows{
-    Row{"ode.start", true, starts,
-        [](const OdeSettings& ode) { return std::string(ode.start == Start::half_step ? "half-step" : "as-given"); }},
-    Row{"ode.erp", true, erps, [](const OdeSettings& ode) { return number_text(ode.erp); }},
-    Row{"ode.rotation", true, rotations,
-        [](const OdeSettings& ode) {
-          return std::string(ode.rotation == Turning::finite ? "finite" : "infinitesimal");
-        }},
-    Row{"ode.friction_axes", true, axes,
-        [](const OdeSettings& ode) {
-          return std::string(ode.friction_axes == FrictionAxes::sliding ? "sliding" : "plane-space");
-        }},
-    Row{"ode.cfm", false, cfms, [](const OdeSettings& ode) { return number_text(ode.cfm); }},
-    Row{"ode.iterations", false, iterations, [](const OdeSettings& ode) { return std::to_string(ode.iterations); }},
-    Row{"ode.sor_w", false, sor_ws, [](const OdeSettings& ode) { return number_text(ode.sor_w); }},
-};
 
 Recommended::Kind kind_of(const Method& method) {
   if (is_plain_ode(method.name)) return Recommended::Kind::plain_ode;
@@ -253,7 +194,7 @@ Ladder MethodSearch::make_ladder() const {
 std::vector<Searched> MethodSearch::what_to_search() const {
   std::vector<Searched> searched;
   if (!budget_.settings_too) return searched;
-  for (const Row& row : rows) {
+  for (const SearchedSetting& row : searched_settings) {
     const auto is_given = [&](const Override& setting) { return overlap(setting.key, row.key); };
     const bool spring = is_of_spring(row.key) && (scenario_.ode.spring || joints_are_springs(scenario_));
     if (spring || !reads(method_, row.key, scenario_) || std::ranges::any_of(search_.settings_, is_given)) continue;
@@ -509,8 +450,4 @@ Recommended MethodSearch::cheapest() {
 
 Recommended SettingsSearch::cheapest(const Method& method) { return MethodSearch(*this, method).cheapest(); }
 
-std::string packed(const Recommended& run) { return bytes::of(run); }
-Recommended unpacked(std::string_view bytes) { return odeval::bytes::read<Recommended>(bytes); }
-
-}  // namespace catalogue
-}  // namespace odeval
+}  // namespace odeval::catalogue

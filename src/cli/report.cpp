@@ -20,6 +20,7 @@
 #include "report/files.hpp"
 #include "report/gnuplot.hpp"
 #include "report/page.hpp"
+#include "report/releases.hpp"
 
 namespace odeval::cli {
 namespace {
@@ -29,6 +30,7 @@ using experiments::Laboratory;
 
 struct Options {
   std::string out = "results";
+  std::string releases{};  // a folder of results of another release of ODE, or empty
   bool quiet = false;
 };
 
@@ -121,8 +123,18 @@ void write_tables(const std::vector<report::Section>& sections, const fs::path& 
   }
 }
 
+/// This build's ODE, as summaries name it.
+std::string own_release() {
+  for (const auto& [name, version] : catalogue::versions()) {
+    if (name == "ode_double") return version;
+  }
+  return "";
+}
+
 int report(const Options& options) {
   const fs::path folder(options.out);
+  std::optional<fs::path> other;
+  if (!options.releases.empty()) report::require_other_release(other.emplace(options.releases), own_release());
   Laboratory laboratory([](const std::string& name) {
     return read_scenario(find_scenario(name, catalogue::scenario_folder()), {}, known_names());
   });
@@ -137,6 +149,7 @@ int report(const Options& options) {
   report::Findings findings;
   report::Document document;
   document.sections = run_experiments(laboratory, findings, options.quiet, failures);
+  document.sections.push_back(report::releases_section(folder, other, own_release()));
   document.front = experiments::front_of(document.sections, findings);
   document.files = std::move(runs.files);
   document.command = "odeval report --out " + options.out;
@@ -162,6 +175,10 @@ int report(const Options& options) {
 Action attach_report(Flags& flags) {
   const auto options = std::make_shared<Options>();
   add_out_option(flags, options->out);
+  flags
+      .add_option("--releases", options->releases,
+                  "what another release of ODE changes: the folder that its build's report or run wrote")
+      .type_name("DIR");
   flags.add_flag("--quiet", options->quiet, "no progress, no name of the page");
   return [options] { return report(*options); };
 }

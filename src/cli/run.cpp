@@ -70,10 +70,13 @@ int run(const Options& options) {
   const auto methods = chosen_methods(options.methods, scenario);
   require_read(options.settings.overrides(), {{{scenario, methods}}});
   const std::filesystem::path place = std::filesystem::path(options.out) / scenario.name;
-  if (const std::string other = results_of_another_run(place, scenario, methods); !other.empty()) {
+  const auto require_no_others = [&] {
+    const std::string other = results_of_another_run(place, scenario, methods);
+    if (other.empty()) return;
     throw UserError("--out " + options.out + ": " + place.string() + " holds results of " + other +
                     "; give another folder, or every method there");
-  }
+  };
+  require_no_others();
   const std::optional<ProvedRobot> robot = proved_robot(file, options.settings.import_options(file));
   catalogue::Evaluator evaluator(scenario);
 
@@ -85,6 +88,7 @@ int run(const Options& options) {
     progress.show(scenario.name + " reference");
     evaluator.reference();
     const ResultFolder folder(place);
+    require_no_others();  // that came while the reference was solved
     for (const catalogue::Method* method : methods) {
       progress.next(scenario.name + " " + std::string(method->name));
       const catalogue::Evaluation run = evaluator.evaluate(*method);

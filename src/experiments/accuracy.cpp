@@ -67,10 +67,10 @@ Figure errors(Evaluator& evaluator, const std::vector<const Evaluation*>& runs) 
     const std::string name(run->method->name);
     panel.series.push_back(curve(name, run->trace.t, above_zero(largest_error(run->trace)), colour_of(name)));
   }
-  panel.series.push_back(curve("uncertainty of the reference", reference.trace.t, above_zero(reference.uncertainty_q),
-                               colour_of(catalogue::reference_method), true));
+  panel.series.push_back(uncertainty_curve(reference.trace.t, reference.uncertainty_q));
   const double end = reference.trace.t.back();
-  panel.series.push_back(curve("lost: 0.1 rad", {0, end}, {divergence_rad, divergence_rad}, guide_colour, true));
+  panel.series.push_back(curve(fmt::format("lost: {} rad", divergence_rad), {0, end}, {divergence_rad, divergence_rad},
+                               guide_colour, true));
   figure.panels.push_back(std::move(panel));
   return figure;
 }
@@ -125,6 +125,8 @@ Content accuracy(Laboratory& laboratory, Findings& findings) {
   };
   Content content;
   content.values = {{"known", reference_known(evaluator, {1, 3, evaluator.scenario().duration_s})},
+                    {"claimed_until", claimed_until_s},
+                    {"lost", divergence_rad},
                     {"ode_lost", lost_at(runs[0])},
                     {"ode45_lost", lost_at(runs[2])},
                     {"euler_lost", lost_at(runs[1])}};

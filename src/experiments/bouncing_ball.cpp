@@ -51,11 +51,11 @@ void delivered(const Scenario& scenario, Content& content, Findings& findings) {
                           -first.impact.qd_before, first.impact.depth, changed.restitution(), first.delivered});
     return first.delivered;
   };
-  Panel by_step{.x_label = "h, s", .y_label = "restitution delivered", .log_x = true};
-  int colour = 0;
+  Panel by_step{.title = "over the step", .x_label = "h, s", .y_label = "restitution delivered", .log_x = true};
+  std::size_t number = 0;
   for (const double cfm : mixings) {
-    report::Series measured_series{fmt::format("CFM {:g}", cfm), {}, {}, report::Mark::points, colour};
-    report::Series law{fmt::format("(e - c)/(1 + c), CFM {:g}", cfm), {}, {}, report::Mark::line, colour++, true};
+    report::Series measured_series{fmt::format("CFM {:g}", cfm), {}, {}, report::Mark::points, variant(number)};
+    report::Series law{"", {}, {}, report::Mark::line, variant(number++), true};
     for (const double step : steps) {
       Scenario changed = scenario;
       changed.step_s = step;
@@ -68,7 +68,8 @@ void delivered(const Scenario& scenario, Content& content, Findings& findings) {
     by_step.series.push_back(std::move(measured_series));
     by_step.series.push_back(std::move(law));
   }
-  Panel by_asked{.x_label = "restitution asked for", .y_label = "restitution delivered"};
+  Panel by_asked{
+      .title = "over what is asked for", .x_label = "restitution asked for", .y_label = "restitution delivered"};
   for (const double erp : {0.2, 0.8}) {
     report::Series series{fmt::format("ERP {}", erp), {}, {}, report::Mark::line_and_points};
     for (const double asked : {0.0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0}) {
@@ -233,11 +234,24 @@ void ladder(const Scenario& grid, Content& content, Findings& findings) {
 Content bouncing_ball(Laboratory& laboratory, Findings& findings) {
   const Scenario& scenario = laboratory.scenario("bouncing_ball");
   Content content;
-  content.values = {{"restitution", scenario.restitution()}, {"mass", scenario.mechanism.bodies[0].mass_kg}};
+  const Body& body = scenario.mechanism.bodies[0];
+  const Scenario& grid = laboratory.scenario("bouncing_balls");
+  const Body& of_grid = grid.mechanism.bodies[0];
+  const double radius = sides_m(of_grid.shape)[2] / 2;
+  content.values = {{"restitution", scenario.restitution()},
+                    {"mass", body.mass_kg},
+                    {"height", shown(body.position_m[2] - sides_m(body.shape)[2] / 2)},
+                    {"cfm", grid.ode.cfm},
+                    {"balls", grid.mechanism.bodies.size()},
+                    {"balls_duration", grid.duration_s},
+                    {"balls_mass", of_grid.mass_kg},
+                    {"balls_restitution", grid.restitution()},
+                    {"radius", shown(radius)},
+                    {"drop", shown(of_grid.position_m[2] - radius)}};
   delivered(scenario, content, findings);
   many(scenario, content);
   rest(scenario, content);
-  ladder(laboratory.scenario("bouncing_balls"), content, findings);
+  ladder(grid, content, findings);
   return content;
 }
 

@@ -22,6 +22,7 @@ using report::Panel;
 
 constexpr std::size_t error_sizes[] = {2, 4, 8, 16, 32, 64};
 constexpr std::size_t cost_sizes[] = {4, 8, 16, 32, 64, 128};
+static_assert(std::size(error_sizes) == std::size(cost_sizes));
 constexpr double until_s = 1;
 constexpr const char* steppers[] = {"ode-step-double", "ode-quickstep-double", "ode-rk4-double",
                                     "lagrange-symplectic-euler"};
@@ -232,6 +233,7 @@ Content chain(Laboratory& laboratory, Findings& findings) {
                     {"step", file.step_s},
                     {"rows_apart", chain_rows_s},
                     {"rounds", rounds},
+                    {"sizes", std::size(error_sizes)},
                     {"iterations", file.ode.iterations},
                     {"overtakes", overtakes ? fmt::format("{}", std::lround(*overtakes)) : ""}};
   content.exhibits.emplace_back(std::move(figure));

@@ -70,7 +70,7 @@ double digits_regained(const SetUp& set_up, double cfm) {
 report::Figure figure(const std::vector<SetUp>& all) {
   report::Panel panel{.x_label = "CFM", .y_label = "condition number", .log_x = true, .log_y = true};
   for (std::size_t i = 0; i < all.size(); ++i) {
-    report::Series series{all[i].label, {}, {}, report::Mark::line_and_points, static_cast<int>(i)};
+    report::Series series{all[i].label, {}, {}, report::Mark::line_and_points, variant(i)};
     for (const double cfm : cfms) {
       if (cfm == 0) continue;
       series.x.push_back(cfm);

@@ -10,6 +10,7 @@
 #include "model/generate.hpp"
 #include "reference/closed_form/analytic.hpp"
 #include "reference/planar/wall_bounce.hpp"
+#include "report/claims.hpp"
 
 namespace odeval::experiments {
 namespace {
@@ -24,6 +25,7 @@ using report::Table;
 
 constexpr const char* scenario_name = "wall_pendulum";
 constexpr const char* steppers[] = {"ode-step-double", "ode-quickstep-double"};
+constexpr int claimed_steps = 10;  // report, 6.3
 constexpr double vertical_rad = -std::numbers::pi / 2;
 
 /// Where the side of the hanging link is, m.
@@ -252,8 +254,8 @@ Figure first_contact(Evaluator& evaluator, const Evaluation& run, const Evaluati
   Figure figure{.name = "fig-6-4", .columns = 2};
   figure.panels.push_back(panel(evaluator, run));
   figure.panels.push_back(panel(flush_evaluator, flush_run));
-  figure.panels[0].x_label = fmt::format("t, s (face at {} m)", scenario.planar->wall->face_m);
-  figure.panels[1].x_label = fmt::format("t, s (face at {} m)", side_of_link(scenario));
+  figure.panels[0].title = fmt::format("face at {} m", scenario.planar->wall->face_m);
+  figure.panels[1].title = fmt::format("face at {} m", side_of_link(scenario));
   return figure;
 }
 
@@ -297,7 +299,12 @@ Content contact_delay(Laboratory& laboratory, Findings& findings) {
   const std::optional<Move> delay = delay_of(contacts, file);
   const Metrics metrics = evaluator.measure(run, file.duration_s);
   Content content;
+  const auto claim = std::ranges::find(report::claims(), "C11b", &report::Claim::id);
   content.values = {{"restitution", file.planar->wall->restitution},
+                    {"claimed_steps", claimed_steps},
+                    {"gravity", file.gravity},
+                    {"cause_percent", 100 * claim->confirmed_if.front().bound},
+                    {"no_cause_percent", 100 * claim->refuted_if.front().bound},
                     {"duration", file.duration_s},
                     {"difference", shown(metrics[quantity::max_error_q].value_or(NAN))},
                     {"face", file.planar->wall->face_m},

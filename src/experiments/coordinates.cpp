@@ -21,6 +21,7 @@ using report::Missing;
 using report::Panel;
 
 constexpr double until_s = 3;
+constexpr double order_until_s = 1;
 constexpr const char* compared[] = {"ode-step-double", "maximal-ode-step", "lagrange-symplectic-euler",
                                     "lagrange-euler", "maximal-euler"};
 constexpr double erps[] = {0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1};
@@ -58,9 +59,10 @@ Ladder ladder(const Scenario& file, const Method& method, const OdeSettings& set
     scenario.sample_s = 0.01;
     Evaluator evaluator(scenario);
     const Evaluation usual = evaluator.evaluate(method, settings);
-    ladder.error.push_back(error_until(evaluator, usual, 1));
-    ladder.gap.push_back(evaluator.measure(usual, 1)[quantity::max_gap].value_or(NAN));
-    ladder.half_started.push_back(error_until(evaluator, evaluator.evaluate(method, half_step_started(settings)), 1));
+    ladder.error.push_back(error_until(evaluator, usual, order_until_s));
+    ladder.gap.push_back(evaluator.measure(usual, order_until_s)[quantity::max_gap].value_or(NAN));
+    ladder.half_started.push_back(
+        error_until(evaluator, evaluator.evaluate(method, half_step_started(settings)), order_until_s));
   }
   return ladder;
 }
@@ -90,7 +92,7 @@ report::Figure erp_figure(Evaluator& evaluator, const Scenario& file, const Meth
   error.series = {std::move(of_ode),
                   curve("lagrange-symplectic-euler", {0, 1}, {symplectic, symplectic},
                         colour_of("lagrange-symplectic-euler"), true),
-                  curve(std::string(projected.name), {0, 1}, {projected_error, projected_error}, guide_colour, true)};
+                  curve(std::string(projected.name), {0, 1}, {projected_error, projected_error}, -1, true)};
   gap.series = {std::move(gap_of_ode)};
   return {.name = "coordinates-erp", .panels = {std::move(error), std::move(gap)}, .columns = 2};
 }
@@ -102,7 +104,7 @@ report::Figure order_figure(const std::vector<Ladder>& ladders) {
   const Column steps(std::begin(steps_s), std::end(steps_s));
   for (std::size_t i = 0; i < ladders.size(); ++i) {
     const Ladder& one = ladders[i];
-    const int colour = static_cast<int>(i);
+    const int colour = variant(i);
     error.series.push_back({one.label, steps, one.half_started, report::Mark::line_and_points, colour});
     if (one.gap.back() > 0) gap.series.push_back({one.label, steps, one.gap, report::Mark::line_and_points, colour});
   }
@@ -193,6 +195,7 @@ Content coordinates(Laboratory& laboratory, Findings& findings) {
 
   Content content;
   content.values = {{"step", file.step_s},
+                    {"order_until", order_until_s},
                     {"largest_step", steps_s[0]},
                     {"least_step", steps_s[std::size(steps_s) - 1]},
                     {"worse_conditioned", shown(all.condition[0] / all.condition[2])},
@@ -205,7 +208,8 @@ Content coordinates(Laboratory& laboratory, Findings& findings) {
   content.exhibits.emplace_back(erp_figure(evaluator, file, projected, all.error[2], control_error));
   content.exhibits.emplace_back(order_figure(ladders));
   content.exhibits.emplace_back(order_table(ladders));
-  content.exhibits.emplace_back(report::Figure{.name = "coordinates-condition", .panels = {std::move(all.panel)}});
+  content.exhibits.emplace_back(
+      report::Figure{.name = "coordinates-condition", .panels = {told_apart(std::move(all.panel))}});
   return content;
 }
 

@@ -18,6 +18,9 @@ struct Wanted {
   const char* name;
   const char* of_2010;
 };
+// The 2010 report's caption of Figure 5.9, and its program.
+constexpr double caption_step_s = 1e-4;
+constexpr double program_step_s = 1e-3;
 constexpr Wanted wanted[] = {
     {"ode-step-double", "fig-5-9", "Figure 5.9"},
     {"lagrange-euler", "fig-5-11", "Figure 5.11"},
@@ -74,7 +77,7 @@ Panel over_time(const char* what, std::vector<Series> series, const std::optiona
 std::vector<Series> per_joint(const Trace& trace, const std::vector<Column>& columns, const char* letter) {
   std::vector<Series> series;
   for (std::size_t i = 0; i < columns.size(); ++i) {
-    series.push_back(curve(letter + std::to_string(i + 1), trace.t, columns[i], static_cast<int>(i)));
+    series.push_back(curve(letter + std::to_string(i + 1), trace.t, columns[i], variant(i)));
   }
   return series;
 }
@@ -89,11 +92,16 @@ Figure figure(const Wanted& which, catalogue::Evaluator& evaluator, const Evalua
   figure.panels.push_back(over_time("rate, rad/s", per_joint(trace, trace.qd, "rate of q"), shade));
 
   const std::vector<Path> paths = centres(scenario, trace);
-  Panel way{.x_label = "across, m from the hinge", .y_label = "up, m from the hinge", .equal_axes = true};
+  Panel way{.title = "centres of mass",
+            .x_label = "across, m from the hinge",
+            .y_label = "up, m from the hinge",
+            .equal_axes = true};
   for (std::size_t i = 0; i < trace.q.size(); ++i) {
-    const int colour = static_cast<int>(i);
+    const int colour = variant(i);
     const std::string number = std::to_string(i + 1);
-    Panel phase{.x_label = "q" + number + ", rad", .y_label = "rate of q" + number + ", rad/s"};
+    Panel phase{.title = "phase plane of q" + number,
+                .x_label = "q" + number + ", rad",
+                .y_label = "rate of q" + number + ", rad/s"};
     add_path(phase, "q" + number, trace.t, trace.q[i], trace.qd[i], colour, shade);
     figure.panels.push_back(std::move(phase));
     add_path(way, "link " + number, trace.t, paths[i].across, paths[i].up, colour, shade);
@@ -101,16 +109,16 @@ Figure figure(const Wanted& which, catalogue::Evaluator& evaluator, const Evalua
   figure.panels.push_back(std::move(way));
   figure.panels.push_back(
       over_time("energy, J",
-                {curve("kinetic", trace.t, trace.kinetic, 0), curve("potential", trace.t, trace.potential, 1),
-                 curve("total", trace.t, total_energy(trace), 2)},
+                {curve("kinetic", trace.t, trace.kinetic), curve("potential", trace.t, trace.potential),
+                 curve("total", trace.t, total_energy(trace))},
                 shade));
   Panel conditioning = over_time("condition; manipulability", {}, shade);
   conditioning.log_y = true;
   if (!trace.condition.empty()) {
-    conditioning.series.push_back(curve("condition number", trace.t, above_zero(trace.condition), 0));
+    conditioning.series.push_back(curve("condition number", trace.t, above_zero(trace.condition)));
   }
   if (!trace.manipulability.empty()) {
-    conditioning.series.push_back(curve("manipulability", trace.t, above_zero(trace.manipulability), 1));
+    conditioning.series.push_back(curve("manipulability", trace.t, above_zero(trace.manipulability)));
   }
   if (!conditioning.series.empty()) figure.panels.push_back(std::move(conditioning));
   return figure;
@@ -138,7 +146,11 @@ Content double_pendulum(Laboratory& laboratory, Findings&) {
     figures.push_back(words_of(which, evaluator, run));
     content.exhibits.emplace_back(figure(which, evaluator, run));
   }
-  content.values = {{"step", evaluator.scenario().step_s}, {"figures", figures}};
+  content.values = {{"step", evaluator.scenario().step_s},
+                    {"caption_step", caption_step_s},
+                    {"program_step", program_step_s},
+                    {"lost", divergence_rad},
+                    {"figures", figures}};
   return content;
 }
 

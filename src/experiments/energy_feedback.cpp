@@ -68,9 +68,13 @@ Figure figure(const std::vector<Run>& runs, const std::vector<double>& cfms) {
   for (const Row& row : {Row{"largest drift, J", &Run::drift}, Row{"largest drift until 3 s, J", &Run::drift_early},
                          Row{"angle error until 3 s, rad", &Run::error_early}}) {
     for (const double step_s : steps_s) {
-      Panel panel{.x_label = fmt::format("ERP (h = {} s)", step_s), .y_label = row.label, .log_y = true};
+      const std::string_view what(row.label);
+      Panel panel{.title = fmt::format("{}, h = {} s", what.substr(0, what.find(", ")), step_s),
+                  .x_label = "ERP",
+                  .y_label = row.label,
+                  .log_y = true};
       for (std::size_t c = 0; c < cfms.size(); ++c) {
-        report::Series series{fmt::format("CFM {}", cfms[c]), {}, {}, Mark::line_and_points, static_cast<int>(c)};
+        report::Series series{fmt::format("CFM {}", cfms[c]), {}, {}, Mark::line_and_points, variant(c)};
         for (const double erp : erps) {
           series.x.push_back(erp);
           series.y.push_back(find(runs, step_s, erp, cfms[c]).*row.value);
@@ -132,6 +136,10 @@ Content energy_feedback(Laboratory& laboratory, Findings& findings) {
 
   Content content;
   content.values = {{"duration", file.duration_s},
+                    {"least_erp", erps[0]},
+                    {"most_erp", erps[std::size(erps) - 1]},
+                    {"cfms", cfms.size()},
+                    {"steps", std::size(steps_s)},
                     {"erp", file.ode.erp},
                     {"cfm", file.ode.cfm},
                     {"drifts", drifts},

@@ -59,7 +59,7 @@ std::span<const Experiment> experiments();
 /// Null when the build lacks the method (a single-precision ODE).
 const catalogue::Method* available(std::string_view method);
 
-/// The index of the palette that a method has in all figures.
+/// The colour that a method has in all figures; grey for those that are only there to compare with.
 int colour_of(std::string_view method);
 
 /// At most `most` rows, evenly spread, first and last included: what a plot can show.

@@ -72,8 +72,7 @@ class FreeFlights {
     }
     if (which.tumbles && step_s == file_.step_s) {
       const Reference& reference = evaluator.reference();
-      over_time.series.push_back(curve("the reference's uncertainty", reference.trace.t,
-                                       above_zero(reference.uncertainty_turn), guide_colour, true));
+      over_time.series.push_back(uncertainty_curve(reference.trace.t, reference.uncertainty_turn));
     }
   }
 
@@ -81,7 +80,7 @@ class FreeFlights {
                       .columns = {"case", "method", "step, s", "distance, m", "g h T / 2, m", "± m",
                                   fmt::format("turned until {} s, rad", early_s), "± rad", "turned until 10 s, rad",
                                   "± rad", "angular momentum error", "energy error"}};
-  report::Panel over_time{.x_label = "t, s", .y_label = "angle, rad", .log_y = true};
+  report::Panel over_time{.title = "over time, tumbling", .x_label = "t, s", .y_label = "angle, rad", .log_y = true};
   report::Series turned{fmt::format("angle until {} s, rad", early_s), {}, {}, report::Mark::line_and_points};
   report::Series fallen{"distance until 10 s, m", {}, {}, report::Mark::line_and_points};
   double off_the_law = 0;
@@ -142,12 +141,20 @@ Content free_box(Laboratory& laboratory, Findings& findings) {
   findings.add("free_box.off_the_law", measured("distance of dWorldStep's error from g h T / 2, largest of three steps",
                                                 "m", flights.off_the_law, flights.uncertainty));
 
-  report::Panel over_steps{.x_label = "h, s", .y_label = "error, rad or m", .log_x = true, .log_y = true};
+  report::Panel over_steps{.title = "dWorldStep over the step, tumbling",
+                           .x_label = "h, s",
+                           .y_label = "error, rad or m",
+                           .log_x = true,
+                           .log_y = true};
   over_steps.series = {flights.turned, flights.fallen};
   report::Figure figure{.name = "free-box-errors", .columns = 2};
   figure.panels = {std::move(over_steps), std::move(flights.over_time)};
   Content content;
+  const Vec3 sides = sides_m(file.mechanism.bodies[0].shape);
   content.values = {{"step", file.step_s},
+                    {"duration", file.duration_s},
+                    {"mass", file.mechanism.bodies[0].mass_kg},
+                    {"sides", fmt::format("{:g} x {:g} x {:g}", sides[0], sides[1], sides[2])},
                     {"off_the_law", shown(flights.off_the_law)},
                     {"left_out", left_out({std::begin(measured_methods), std::end(measured_methods)})}};
   content.exhibits.emplace_back(std::move(figure));

@@ -123,10 +123,10 @@ Content friction(Laboratory& laboratory, Findings& findings) {
   double diagonal = NAN;
   double uncertainty = 0;
   double off_the_cone = 0;  // m
-  int colour = 0;
   for (const Case& how : cases) {
-    report::Series way{std::string(how.label),        {},       {},
-                       report::Mark::line_and_points, colour++, how.axes == FrictionAxes::sliding};
+    const bool pyramid = how.model == FrictionModel::pyramid && how.axes == FrictionAxes::plane_space;
+    report::Series way{
+        std::string(how.label), {}, {}, report::Mark::line_and_points, pyramid ? colour_of(how.method) : -1};
     report::Series turned = way;
     for (const double direction : directions_deg) {
       const Slide slid = slide(scenario, how, direction);
@@ -159,10 +159,11 @@ Content friction(Laboratory& laboratory, Findings& findings) {
                         off_the_cone, uncertainty));
 
   report::Figure figure{.name = "friction-figure", .columns = 2};
-  figure.panels = {std::move(ways), std::move(turns)};
+  figure.panels = {told_apart(std::move(ways)), told_apart(std::move(turns))};
   Content content;
   content.values = {
       {"held_for", scenario.duration_s},
+      {"diagonal", directions_deg[std::size(directions_deg) - 1]},
       {"cone_error", shown(off_the_cone)},
       {"friction", coefficient(scenario)},
       {"mass", scenario.mechanism.bodies[0].mass_kg},

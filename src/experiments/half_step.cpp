@@ -25,6 +25,8 @@ using report::Panel;
 constexpr double steps_s[] = {2e-3, 1e-3, 5e-4, 2e-4, 1e-4};
 constexpr double fine_step_s = 1e-4;
 constexpr double until_s = 1;
+constexpr int impact_steps = 11;
+constexpr double impact_step(int i) { return 0.8 + 0.04 * i; }  // of the file's
 constexpr std::string_view method = "ode-step-double";
 constexpr const char* few_points = "too few errors are clear of the reference's uncertainty";
 
@@ -92,7 +94,7 @@ void add_order(report::Table& table, const Case& which, const std::vector<Run>& 
 
 Panel convergence(const Case& which, const std::vector<Run>& runs) {
   Panel panel{
-      .x_label = "h, s (" + which.label + ")", .y_label = "angle error until 1 s, rad", .log_x = true, .log_y = true};
+      .title = which.label, .x_label = "h, s", .y_label = "angle error until 1 s, rad", .log_x = true, .log_y = true};
   struct Row {
     const char* label;
     double (*error)(const Run&);
@@ -170,12 +172,11 @@ struct Gains {
 /// How the half-step start fares from impact to impact. What an impact is off by depends on where in a step it falls,
 /// so that one step size would tell of luck: each span is measured at several.
 void add_impacts(report::Table& table, const Scenario& file, const char* unit) {
-  constexpr int steps = 11;
   constexpr std::size_t spans = 3;
   std::array<Gains, spans> gains;
-  for (int i = 0; i < steps; ++i) {
+  for (int i = 0; i < impact_steps; ++i) {
     Scenario scenario = file;
-    scenario.step_s = file.step_s * (0.8 + 0.04 * i);  // no multiple of another, as the times of impacts are not
+    scenario.step_s = file.step_s * impact_step(i);  // no multiple of another, as the times of impacts are not
     scenario.sample_s.reset();
     Evaluator evaluator(scenario);
     const std::vector<Impact>& impacts = evaluator.reference().impacts;
@@ -252,7 +253,13 @@ Content half_step(Laboratory& laboratory, Findings& findings) {
   }
 
   Content content;
-  content.values = {{"until", until_s}, {"step", fine_step_s}, {"gains", gains}};
+  content.values = {{"until", until_s},
+                    {"step", fine_step_s},
+                    {"gains", gains},
+                    {"links", laboratory.scenario("chain").planar->links.size()},
+                    {"impact_steps", impact_steps},
+                    {"least_impact_step", shown(impact_step(0))},
+                    {"largest_impact_step", shown(impact_step(impact_steps - 1))}};
   content.exhibits.emplace_back(std::move(figure));
   content.exhibits.emplace_back(std::move(errors));
   content.exhibits.emplace_back(std::move(orders));

@@ -55,7 +55,7 @@ Content half_step_energy(Laboratory& laboratory, Findings& findings) {
     const Span rows = rows_between(run.trace.t, 0, until_s);
     const Span shown_rows{0, std::min(rows.end, centred.size())};
     const Column t = part(run.trace.t, shown_rows);
-    Panel panel{.x_label = "t, s", .y_label = fmt::format("energy drift, J ({})", name)};
+    Panel panel{.title = name, .x_label = "t, s", .y_label = "energy drift, J"};
     panel.series.push_back(curve("stored velocities", t, part(stored, shown_rows)));
     panel.series.push_back(curve("centred velocities", t, part(centred, shown_rows)));
     panel.shade = lost_shade(evaluator, run);

@@ -17,6 +17,8 @@ using report::Series;
 
 constexpr double coarse_step_s = 1e-3;
 constexpr double fine_step_s = 1e-4;
+constexpr double default_erp = 0.2;  // ode-0.16, ode/src/objects.h
+constexpr double stiff_erp = 0.8;
 constexpr double times_s[] = {1, 3};
 constexpr double erps[] = {0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0};
 struct Case {
@@ -55,7 +57,8 @@ Point measure_one(Evaluator& evaluator, const Case& which, double erp) {
 }
 
 Panel panel(const std::vector<Point>& points, const Case& which) {
-  Panel panel{.x_label = fmt::format("ERP ({}, h = {} s)", which.scenario, which.step_s),
+  Panel panel{.title = fmt::format("{}, h = {} s", which.scenario, which.step_s),
+              .x_label = "ERP",
               .y_label = "angle error, rad",
               .log_y = true};
   for (std::size_t i = 0; i < which.times; ++i) {
@@ -64,7 +67,7 @@ Panel panel(const std::vector<Point>& points, const Case& which) {
                     {},
                     {},
                     report::Mark::line_and_points,
-                    static_cast<int>(i),
+                    variant(i),
                     !started};
       for (const Point& point : points) {
         if (point.scenario != which.scenario || point.step_s != which.step_s) continue;
@@ -111,20 +114,34 @@ Content half_step_erp(Laboratory& laboratory, Findings& findings) {
         return point.scenario == which.scenario && point.step_s == which.step_s && point.erp == erp;
       });
     };
-    const Point usual = find(0.2);
-    const Point stiff = find(0.8);
+    const Point usual = find(default_erp);
+    const Point stiff = find(stiff_erp);
     findings.add(
         finding,
-        measured_ratio(fmt::format("angle error until {} s with ERP 0.2 over that with ERP 0.8, half-step "
+        measured_ratio(fmt::format("angle error until {} s with ERP {} over that with ERP {}, half-step "
                                    "start, {}, h = {} s",
-                                   times_s[until], which.scenario, which.step_s),
+                                   times_s[until], default_erp, stiff_erp, which.scenario, which.step_s),
                        usual.error[until], stiff.error[until], usual.uncertainty[until], stiff.uncertainty[until]));
   };
   gain("O2.gain", {"double_pendulum", fine_step_s}, 1);
   gain("O2.gain_chain", {"chain", coarse_step_s}, 0);
   gain("O2.gain_chain_fine", {"chain", fine_step_s}, 0);
 
+  double best_on_chain = NAN;
+  double least_error = INFINITY;
+  for (const Point& point : points) {
+    if (point.scenario != "chain" || point.step_s != coarse_step_s || point.error[0] >= least_error) continue;
+    best_on_chain = point.erp;
+    least_error = point.error[0];
+  }
+  findings.add("O2.erp", measured("ERP of O2", "", stiff_erp));
+  findings.add("O2.default_erp", measured("ODE's default ERP", "", default_erp));
   Content content;
+  content.values = {{"default_erp", default_erp},
+                    {"until", times_s[std::size(times_s) - 1]},
+                    {"least_erp", erps[0]},
+                    {"most_erp", erps[std::size(erps) - 1]},
+                    {"best_on_chain", best_on_chain}};
   content.exhibits.emplace_back(std::move(figure));
   content.exhibits.emplace_back(std::move(table));
   return content;

@@ -22,6 +22,7 @@ using report::Missing;
 constexpr double asked[] = {0.1, 0.001};  // rad; m of the point, which is 1 m from its hinge
 // So that the page keeps its time: what costs a microsecond a step gets fewer of them than what costs a tenth of it.
 constexpr double most_steps_cartesian = 320'000;  // of first order half as many
+constexpr int loosest_digits = 6;                 // of rtol
 constexpr double most_steps_generalized = 5'200'000;
 constexpr double best_settings_steps_a_row[] = {40,
                                                 80};  // of ODE with ERP 1 and the half-step start: all of its ladder
@@ -51,7 +52,7 @@ std::vector<double> ladder_of(const Accuracy& accuracy, const Method& method, do
   const auto knob = catalogue::knob_of(method);
   if (knob == catalogue::Knob::none) return {0.0};
   if (knob == catalogue::Knob::rtol) {
-    for (int digits = 6; digits <= 13; ++digits) settings.push_back(std::pow(10.0, -digits));
+    for (int digits = loosest_digits; digits <= 13; ++digits) settings.push_back(std::pow(10.0, -digits));
     return settings;
   }
   for (double step = accuracy.row_spacing_s(); duration_s / step <= most; step /= 2) settings.push_back(step);
@@ -134,7 +135,7 @@ void measure_methods(const Accuracy& accuracy, const Scenario& scenario, report:
     const Reached reached =
         search(accuracy, method, ladder_of(accuracy, method, scenario.duration_s, most_steps_of(method)));
     add_cells(row, accuracy, method, reached);
-    panel.series.push_back(series_of(std::string(method.name), reached, colour_of(method.name)));
+    panel.series.push_back(series_of(std::string(method.name), reached, colour_beside_ode(method.name)));
     add_step_findings(findings, method, reached, scenario.duration_s);
     table.rows.push_back(std::move(row));
   }
@@ -153,7 +154,7 @@ void measure_best_settings(const Scenario& scenario, report::Table& table, repor
   const std::string row_name = fmt::format("{}, ERP 1, half-step start", engine.name);
   std::vector<Cell> row{row_name};
   add_cells(row, with_best, engine, reached);
-  panel.series.push_back(series_of(row_name, reached, colour_of(engine.name)));
+  panel.series.push_back(series_of(row_name, reached, -1));
   table.rows.push_back(std::move(row));
   const std::string meaning = fmt::format(
       "step of dWorldStep with ERP 1 and the half-step start that stays within {} rad "
@@ -220,6 +221,9 @@ Content iftomm(Laboratory& laboratory, Findings& findings) {
 
   Content content;
   content.values = {{"duration", scenario.duration_s},
+                    {"mass", scenario.planar->links[0].mass_kg},
+                    {"length", scenario.planar->links[0].length_m},
+                    {"loosest", shown(std::pow(10.0, -loosest_digits))},
                     {"rows_apart", accuracy.row_spacing_s()},
                     {"most_cartesian", most_steps_cartesian},
                     {"most_generalized", most_steps_generalized},

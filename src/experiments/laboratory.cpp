@@ -35,8 +35,13 @@ const catalogue::Method* available(std::string_view method) {
 }
 
 int colour_of(std::string_view method) {
-  const auto all = catalogue::methods();
-  return static_cast<int>(std::ranges::find(all, method, &catalogue::Method::name) - all.begin());
+  static constexpr std::string_view coloured[report::method_colours] = {
+      "ode-step-double",           "ode-step-single", "ode-quickstep-double",
+      "ode-quickstep-single",      "ode-rk4-double",  "lagrange-ode45",
+      catalogue::reference_method, "lagrange-rk4",    "lagrange-euler",
+      "lagrange-symplectic-euler", "maximal-euler",   "maximal-rk4"};
+  const auto* const found = std::ranges::find(coloured, method);
+  return found == std::end(coloured) ? report::rest_colour : static_cast<int>(found - coloured);
 }
 
 Column thinned(const Column& column, std::size_t most) {

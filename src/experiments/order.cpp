@@ -148,7 +148,7 @@ report::Figure lines(const std::vector<Measured>& all) {
   for (const Measured& one : all) {
     if (one.points.empty()) continue;
     const std::string name(one.method->name);
-    report::Series line{name, {}, {}, report::Mark::line_and_points, colour_of(name), false};
+    report::Series line{name, {}, {}, report::Mark::line_and_points, colour_beside_ode(name), false};
     report::Series slope = line;
     for (std::size_t i = 0; i < one.points.size(); ++i) {
       line.x.push_back(one.points[i].setting);
@@ -161,7 +161,7 @@ report::Figure lines(const std::vector<Measured>& all) {
     errors.series.push_back(std::move(line));
     if (!slope.x.empty()) slopes.series.push_back(std::move(slope));  // of order 8 all is within the uncertainty
   }
-  return {.name = "order-lines", .panels = {std::move(errors), std::move(slopes)}, .columns = 2};
+  return {.name = "order-lines", .panels = {told_apart(std::move(errors)), std::move(slopes)}, .columns = 2};
 }
 
 }  // namespace
@@ -178,7 +178,11 @@ Content order(Laboratory& laboratory, Findings& findings) {
   add_orders(findings, all);
 
   Content content;
-  content.values = {{"lost", divergence_rad}, {"settled", settled_slopes}, {"steps", halvings + 1}};
+  content.values = {{"lost", divergence_rad},
+                    {"settled", settled_slopes},
+                    {"steps", halvings + 1},
+                    {"until", until_s},
+                    {"clear", clear_of_uncertainty}};
   content.exhibits.emplace_back(lines(all));
   content.exhibits.emplace_back(orders(all));
   return content;

@@ -86,7 +86,7 @@ Content orientation(Laboratory& laboratory, Findings& findings) {
     worst[i] = std::ranges::max(kept.squeeze);
     table.rows.push_back(
         {std::string(ways[i].label), worst[i], std::ranges::max(kept.error), cost[i].ns, cost[i].uncertainty});
-    const int colour = static_cast<int>(i);
+    const int colour = variant(i);
     squeeze.series.push_back(curve(ways[i].label, kept.t, above_zero(kept.squeeze), colour));
     error.series.push_back(curve(ways[i].label, kept.t, above_zero(kept.error), colour));
   }
@@ -96,7 +96,8 @@ Content orientation(Laboratory& laboratory, Findings& findings) {
   table.rows.push_back({std::string("ODE: links of the double pendulum, dWorldStep"), worst_of_ode,
                         report::Missing{"the links' own motion, which is not this one"},
                         report::Missing{"not timed by itself"}, report::Missing{"not timed by itself"}});
-  squeeze.series.push_back(curve("links of ode-step-double", ode.trace.t, above_zero(of_ode), 4, true));
+  squeeze.series.push_back(
+      curve("links of ode-step-double", ode.trace.t, above_zero(of_ode), colour_of("ode-step-double"), true));
 
   const std::string of = fmt::format("in {} s at h = {} s", until_s, step_s);
   findings.add("C15.matrix_drift", measured("how far a rotation matrix gets from orthonormal " + of, "", worst[0]));

@@ -26,6 +26,53 @@ Series curve(std::string label, const Column& x, const Column& y, int colour, bo
   return {std::move(label), thinned(x), thinned(y), report::Mark::line, colour, dashed};
 }
 
+Series uncertainty_curve(const Column& t, const Column& uncertainty) {
+  return curve("uncertainty of the reference", t, above_zero(uncertainty), colour_of(catalogue::reference_method),
+               true);
+}
+
+int colour_beside_ode(std::string_view method) {
+  return method.starts_with("ode-") ? colour_of(method) : report::rest_colour;
+}
+
+report::Panel told_apart(report::Panel panel) {
+  constexpr double line = 0.005;  // its width, of a plot's height
+  const auto place = [&](double y) { return panel.log_y ? std::log10(y) : y; };
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const Series& series : panel.series) {
+    for (const double y : series.y) {
+      if (!std::isfinite(place(y))) continue;
+      low = std::min(low, place(y));
+      high = std::max(high, place(y));
+    }
+  }
+  constexpr double most_apart = 0.02;  // of the points: where curves cross or dip
+  const auto alike = [&](const Series& a, const Series& b) {
+    const bool apart_by_colour = a.colour == guide_colour || b.colour == guide_colour ||
+                                 (a.colour == report::rest_colour && b.colour == report::rest_colour);
+    if (apart_by_colour || a.mark != b.mark || a.x != b.x) return false;
+    std::size_t apart = 0;
+    for (std::size_t i = 0; i < a.y.size(); ++i) {
+      const bool gaps = std::isnan(a.y[i]) && std::isnan(b.y[i]);
+      if (!gaps && !(std::fabs(place(a.y[i]) - place(b.y[i])) <= line * (high - low))) ++apart;
+    }
+    return static_cast<double>(apart) <= most_apart * static_cast<double>(a.y.size());
+  };
+  std::vector<Series> kept;
+  for (Series& series : panel.series) {
+    const auto same = std::ranges::find_if(kept, [&](const Series& other) { return alike(other, series); });
+    if (same == kept.end()) {
+      kept.push_back(std::move(series));
+    } else {
+      same->label += " = " + series.label;
+      if (same->colour == report::rest_colour) same->colour = series.colour;
+    }
+  }
+  panel.series = std::move(kept);
+  return panel;
+}
+
 Span rows_between(const Column& t, double from_s, double until_s) {
   const auto first = std::lower_bound(t.begin(), t.end(), from_s - rounding_s);
   const auto end = std::upper_bound(first, t.end(), until_s + rounding_s);

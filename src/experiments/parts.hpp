@@ -13,8 +13,19 @@ namespace odeval::experiments {
 
 using report::shown;
 
-/// Of lines that mark a value and belong to no method.
-inline constexpr int guide_colour = 8;
+using report::guide_colour;
+
+/// The colour of the i-th variant, where it has to be the same in several panels.
+constexpr int variant(std::size_t i) { return report::first_variant + static_cast<int>(i); }
+
+/// The errors that the reference may itself have, in every figure the same.
+report::Series uncertainty_curve(const Column& t, const Column& uncertainty);
+
+/// The colour of a method where ODE's own are told apart, beside all others in grey.
+int colour_beside_ode(std::string_view method);
+
+/// What only a line's width parts is drawn once, under the names of all.
+report::Panel told_apart(report::Panel panel);
 
 /// Curves over one axis, thinned to what a plot can show.
 report::Series curve(std::string label, const Column& x, const Column& y, int colour = -1, bool dashed = false);

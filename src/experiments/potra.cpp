@@ -83,8 +83,7 @@ Content potra(Laboratory& laboratory, Findings& findings) {
     const Evaluation& run = *laboratory.run(name, method);
     errors.series.push_back(curve(method, run.trace.t, above_zero(largest_error(run.trace)), colour_of(method)));
   }
-  errors.series.push_back(
-      curve("the reference's uncertainty", reference.trace.t, above_zero(reference.uncertainty_q), -1, true));
+  errors.series.push_back(uncertainty_curve(reference.trace.t, reference.uncertainty_q));
   const Evaluation& shown_run = *laboratory.run(name, compared[0]);
   for (std::size_t ball = 0; ball < 2; ++ball) {
     distance.series.push_back(curve(fmt::format("point {}, {}", ball + 1, compared[0]), shown_run.trace.t,
@@ -94,6 +93,7 @@ Content potra(Laboratory& laboratory, Findings& findings) {
   figure.panels = {std::move(errors), std::move(distance)};
   Content content;
   content.values = {{"sphere", evaluator.scenario().planar->links[0].width_m},
+                    {"iterations", evaluator.scenario().ode.iterations},
                     {"late_steps", shown(worst[0] / step_s)}};
   content.exhibits.emplace_back(std::move(figure));
   content.exhibits.emplace_back(std::move(table));

@@ -33,7 +33,12 @@ Content quickstep(Laboratory& laboratory, Findings& findings) {
   report::Figure figure{.name = "quickstep-figure", .columns = 2};
   figure.panels = {std::move(errors), std::move(gaps)};
   Content content;
-  content.values = {{"step", scenario.step_s}, {"until", until_s}, {"known", reference_known(evaluator, {until_s})}};
+  content.values = {{"step", scenario.step_s},
+                    {"until", until_s},
+                    {"default_iterations", OdeSettings{}.iterations},
+                    {"default_sor_w", OdeSettings{}.sor_w},
+                    {"most_sor_w", runs.iterative.back().settings.sor_w},
+                    {"known", reference_known(evaluator, {until_s})}};
   content.exhibits.emplace_back(std::move(figure));
   content.exhibits.emplace_back(std::move(table));
   return content;

@@ -22,6 +22,8 @@ Content quickstep_chain(Laboratory& laboratory, Findings& findings) {
   const QuickRuns runs = quickstep_runs(evaluator, iterations, until_s);
   findings.add("C2.chain_error_ratio",
                runs.error_ratio(fmt::format("the same on a chain of {} links until {} s", links, until_s)));
+  findings.add("C2.chain_links", measured("links of the chain of C2", "", static_cast<double>(links)));
+  findings.add("C2.iterations", measured("iterations of QuickStep in C2", "", scenario.ode.iterations));
   report::Table table = runs.table("quickstep-chain");
   const auto error = [](const QuickRun& run) { return run.error; };
   Panel errors = runs.panel(
@@ -31,7 +33,7 @@ Content quickstep_chain(Laboratory& laboratory, Findings& findings) {
       "CPU time a step, s", [](const QuickRun& run) { return run.a_step_s; }, "angle error, rad", error);
   errors.series.push_back(direct_level(runs, runs.direct.error));
   costs.series.push_back(
-      {"dWorldStep", {runs.direct.a_step_s}, {runs.direct.error}, report::Mark::points, guide_colour});
+      {"dWorldStep", {runs.direct.a_step_s}, {runs.direct.error}, report::Mark::points, colour_of("ode-step-double")});
 
   report::Figure figure{.name = "quickstep-chain-figure", .columns = 2};
   figure.panels = {std::move(errors), std::move(costs)};

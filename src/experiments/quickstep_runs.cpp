@@ -83,10 +83,10 @@ report::Table QuickRuns::table(std::string name) const {
 report::Panel QuickRuns::panel(std::string x_label, const std::function<double(const QuickRun&)>& x,
                                std::string y_label, const std::function<double(const QuickRun&)>& y) const {
   report::Panel panel{.x_label = std::move(x_label), .y_label = std::move(y_label), .log_x = true, .log_y = true};
-  int colour = 0;
+  std::size_t number = 0;
   for (const double over_relaxation : over_relaxations) {
     report::Series series{
-        fmt::format("over-relaxation {}", over_relaxation), {}, {}, report::Mark::line_and_points, colour++};
+        fmt::format("over-relaxation {}", over_relaxation), {}, {}, report::Mark::line_and_points, variant(number++)};
     for (const QuickRun& run : iterative) {
       if (run.settings.sor_w != over_relaxation) continue;
       series.x.push_back(x(run));
@@ -100,7 +100,7 @@ report::Panel QuickRuns::panel(std::string x_label, const std::function<double(c
 report::Series direct_level(const QuickRuns& runs, double level) {
   const Column ends{static_cast<double>(runs.iterative.front().settings.iterations),
                     static_cast<double>(runs.iterative.back().settings.iterations)};
-  return curve("dWorldStep", ends, {level, level}, guide_colour, true);
+  return curve("dWorldStep", ends, {level, level}, colour_of("ode-step-double"), true);
 }
 
 }  // namespace odeval::experiments

@@ -71,14 +71,13 @@ Content remedy(Laboratory& laboratory, Findings& findings) {
   findings.add("C12.impact_gain", measured("the same through the wall pendulum's impacts, until 5 s", "", impact));
   std::vector<report::Panel> panels;
   for (const char* scenario : {"double_pendulum", "wall_pendulum"}) {
-    report::Panel panel{.x_label = fmt::format("t, s ({})", scenario), .y_label = "error, rad", .log_y = true};
+    report::Panel panel{.title = scenario, .x_label = "t, s", .y_label = "error, rad", .log_y = true};
     for (const char* method : {now, cure}) {
       const Trace& trace = laboratory.run(scenario, method)->trace;
       panel.series.push_back(curve(method, trace.t, above_zero(largest_error(trace)), colour_of(method)));
     }
     const Reference& reference = laboratory.evaluator(scenario).reference();
-    panel.series.push_back(
-        curve("the reference's uncertainty", reference.trace.t, above_zero(reference.uncertainty_q), -1, true));
+    panel.series.push_back(uncertainty_curve(reference.trace.t, reference.uncertainty_q));
     panel.shade = lost_shade(laboratory.evaluator(scenario), *laboratory.run(scenario, now));
     if (panel.shade) panel.shade->why = std::string(now) + ": " + panel.shade->why;
     panels.push_back(std::move(panel));

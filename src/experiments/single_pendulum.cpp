@@ -67,11 +67,11 @@ Content single_pendulum(Laboratory& laboratory, Findings& findings) {
   panel.shade =
       lost_shade(laboratory.evaluator("single_pendulum"), *laboratory.run("single_pendulum", "ode-step-double"));
   const Reference& reference = laboratory.evaluator("single_pendulum").reference();
-  panel.series.push_back(
-      curve("the reference's uncertainty", reference.trace.t, above_zero(reference.uncertainty_q), -1, true));
+  panel.series.push_back(uncertainty_curve(reference.trace.t, reference.uncertainty_q));
 
   Content content;
-  content.values = {{"single_growth", shown(growth[0])}, {"double_growth", shown(growth[1])}};
+  content.values = {
+      {"early", early_s}, {"late", late_s}, {"single_growth", shown(growth[0])}, {"double_growth", shown(growth[1])}};
   content.exhibits.emplace_back(report::Figure{.name = "single-pendulum-errors", .panels = {std::move(panel)}});
   content.exhibits.emplace_back(std::move(table));
   return content;

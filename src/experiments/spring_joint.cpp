@@ -23,6 +23,7 @@ constexpr std::string_view method = "ode-step-double";
 constexpr double steps_s[] = {8e-3, 4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4};
 constexpr double shown_step_s = 8e-3;  // coarse enough to be seen
 constexpr double law_s = 0.5;
+constexpr std::size_t gap_steps = 100;
 
 struct Damping {
   const char* name;
@@ -71,7 +72,7 @@ double measure_law(const Scenario& file, report::Table& table, Panel& gaps) {
         worst = std::max(worst, off);
         table.rows.push_back({std::string(kind_name), gravity, softness.erp, softness.cfm, run.trace.gap.back(), off});
         if (!ball || gravity != 0) continue;
-        const std::size_t first = std::min<std::size_t>(run.trace.rows(), 101);
+        const std::size_t first = std::min<std::size_t>(run.trace.rows(), gap_steps + 1);
         Column steps(first);
         for (std::size_t k = 0; k < first; ++k) steps[k] = static_cast<double>(k);
         gaps.series.push_back(curve(fmt::format("ERP {:.3g}, CFM {:.3g}", softness.erp, softness.cfm), steps,
@@ -92,10 +93,11 @@ Scenario damped(const Scenario& file, double ratio) {
 Panel motion(const Scenario& scenario, const char* name) {
   Evaluator evaluator(scenario);
   const Evaluation run = evaluator.evaluate(*available(method));
-  Panel panel{.x_label = fmt::format("t, s ({})", name), .y_label = "height of the body, m"};
-  panel.series.push_back(curve("closed form", run.trace.t, evaluator.reference().trace.bodies.front().position[2], 1));
+  Panel panel{.title = fmt::format("damping {}", name), .x_label = "t, s", .y_label = "height of the body, m"};
+  panel.series.push_back(curve("closed form", run.trace.t, evaluator.reference().trace.bodies.front().position[2],
+                               colour_of(catalogue::reference_method)));
   panel.series.push_back(curve(fmt::format("{}, h = {} s", method, scenario.step_s), run.trace.t,
-                               run.trace.bodies.front().position[2], 0, true));
+                               run.trace.bodies.front().position[2], colour_of(method), true));
   return panel;
 }
 
@@ -149,7 +151,7 @@ Content spring_joint(Laboratory& laboratory, Findings& findings) {
   report::Table orders{.name = "spring-joint-order",
                        .columns = {"damping", "of the position", "± (position)", "of the joint's force", "± (force)"}};
   report::Figure figure{.name = "spring-joint-figure", .columns = 2};
-  Panel gaps{.x_label = "step", .y_label = "gap, m (no gravity)", .log_y = true};
+  Panel gaps{.title = "gap, no gravity", .x_label = "step", .y_label = "gap, m", .log_y = true};
 
   const double worst = measure_law(file, law, gaps);
   const std::optional<ObservedOrder> least = measure_orders(file, errors, orders, figure);
@@ -169,11 +171,8 @@ Content spring_joint(Laboratory& laboratory, Findings& findings) {
                      : unavailable(meaning, "", "too few points"));
 
   Content content;
-  content.values = {{"step", file.step_s},
-                    {"law_duration", law_s},
-                    {"kp", file.ode.spring->kp_N_m},
-                    {"duration", file.duration_s},
-                    {"shown_step", shown_step_s}};
+  content.values = {{"step", file.step_s},           {"law_duration", law_s},       {"law_steps", gap_steps},
+                    {"kp", file.ode.spring->kp_N_m}, {"duration", file.duration_s}, {"shown_step", shown_step_s}};
   content.exhibits.emplace_back(std::move(figure));
   content.exhibits.emplace_back(std::move(law));
   content.exhibits.emplace_back(std::move(errors));

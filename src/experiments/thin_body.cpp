@@ -16,6 +16,7 @@ using catalogue::Evaluator;
 using report::Cell;
 
 constexpr double aspects[] = {1, 3, 10, 30, 100, 300, 1000, 5000};  // the report's ratio of 1e7 is passed at 4472
+constexpr double claimed_ratio = 1e7;  // report, 3.5.3; of a box of square section it is half the squared aspect
 constexpr double judged_aspect = 1000;
 constexpr double link_aspects[] = {10, 100, 1000};
 constexpr double spacing_s = 1e-2;
@@ -240,7 +241,12 @@ Content thin_body(Laboratory& laboratory, Findings& findings) {
   report::Figure figure{.name = "thin-body-figure"};
   figure.panels.push_back(std::move(up.panel));
   Content content;
+  findings.add("C4.aspect", measured("length over thickness of the box of C4", "", judged_aspect));
   content.values = {{"along", along},
+                    {"claimed_ratio", shown(claimed_ratio)},
+                    {"claimed_aspect", std::lround(std::sqrt(2 * claimed_ratio))},
+                    {"step", file.step_s},
+                    {"duration", file.duration_s},
                     {"swing_duration", swing_s},
                     {"own_spin", shown(own_spin(file))},
                     {"left_out", left_out({std::begin(thin_methods), std::end(thin_methods)})}};

@@ -36,19 +36,20 @@ report::Figure traces(Evaluator& evaluator, const std::vector<const Evaluation*>
   for (const Evaluation* run : runs) {
     const std::string name(run->method->name);
     const Trace& trace = run->trace;
-    const int colour = colour_of(name);
-    angle.series.push_back(curve(name, trace.t, trace.q.front(), colour));
-    rate.series.push_back(curve(name, trace.t, trace.qd.front(), colour));
+    const int colour = colour_beside_ode(name);
+    if (name == "ode-step-double" || name == catalogue::reference_method) {  // angles of the others look the same
+      angle.series.push_back(curve(name, trace.t, trace.q.front(), colour_of(name)));
+      rate.series.push_back(curve(name, trace.t, trace.qd.front(), colour_of(name)));
+    }
     energy.series.push_back(curve(name, trace.t, energy_drift(trace), colour));
     if (name != catalogue::reference_method) {
       error.series.push_back(curve(name, trace.t, above_zero(largest_error(trace)), colour));
     }
   }
   const Reference& reference = evaluator.reference();
-  error.series.push_back(curve("uncertainty of the reference", reference.trace.t, above_zero(reference.uncertainty_q),
-                               colour_of(catalogue::reference_method), true));
+  error.series.push_back(uncertainty_curve(reference.trace.t, reference.uncertainty_q));
   report::Figure figure{.name = "wall-pendulum-figure", .columns = 2};
-  figure.panels = {std::move(angle), std::move(rate), std::move(energy), std::move(error)};
+  figure.panels = {std::move(angle), std::move(rate), told_apart(std::move(energy)), told_apart(std::move(error))};
   return figure;
 }
 

@@ -3,297 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "odeval/error.hpp"
-#include "odeval/quantity.hpp"
+#include "output/comparison_rules.hpp"
 #include "output/file.hpp"
-#include "output/number.hpp"
-#include "output/table.hpp"
-#include "output/trace_csv.hpp"
 
 namespace odeval {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/// An angle's own rounding, beside the bound on the motion.
-constexpr double angle_rounding = 1e-12;
-
-double rounding(double a, double b) { return 1e-9 * std::max({1.0, std::fabs(a), std::fabs(b)}); }
-
-/// Equal values, infinite ones and NaN included, or such as differ by no more than `allowed`.
-bool same(double a, double b, double allowed) {
-  if (a == b || (std::isnan(a) && std::isnan(b))) return true;
-  return std::fabs(a - b) <= allowed;
-}
-
-std::string allowed_text(double allowed) { return allowed == 0 ? "equal" : three_digits(allowed); }
-
-/// Where a file stands among the results.
-enum class Kind { summary, trace, summaries, report, verdicts, sweep, timing, other };
-
-struct Place {
-  Kind kind = Kind::other;
-  std::string scenario;
-  std::string method;
-};
-
-Place place_of(const fs::path& file) {
-  const std::string folder = file.parent_path().string();
-  const std::string name = file.filename().string();
-  const std::string stem = file.stem().string();
-  const std::string type = file.extension().string();
-  if (folder.empty()) {
-    const bool timing = name == "timing.csv" || name == "timing.json" || name == "index.html";
-    return {timing ? Kind::timing : Kind::other, "", name};
-  }
-  if (folder == "report") return {name == "verdicts.csv" ? Kind::verdicts : Kind::report, "", file.string()};
-  if (folder == "sweep") {
-    // The table holds no times; the journal has the order in which the runs were done, the front their cost.
-    const bool table =
-        type == ".csv" && !stem.ends_with("-timing") && !stem.ends_with("-front") && !stem.ends_with("-front-ode");
-    return {table ? Kind::sweep : Kind::timing, "", file.string()};
-  }
-  if (file.parent_path().has_parent_path()) return {Kind::other, "", file.string()};
-  if (name == "summary.csv") return {Kind::summaries, folder, "summary"};
-  if (type == ".json") return {Kind::summary, folder, stem};
-  if (type == ".csv") return {Kind::trace, folder, stem};
-  return {Kind::other, folder, name};
-}
-
-/// The numbers and words of an object by the way that leads to them: "error_at.3.max_error_q", "impacts.0.t".
-using Leaves = std::vector<std::pair<std::string, Json>>;
-
-void add_leaves(Leaves& leaves, const std::string& way, const Json& json) {
-  if (json.is_structured() && !json.empty()) {
-    for (const auto& part : json.items()) {
-      add_leaves(leaves, way.empty() ? part.key() : way + '.' + part.key(), part.value());
-    }
-  } else {
-    leaves.emplace_back(way, json);
-  }
-}
-
-Leaves leaves_of(const Json& json) {
-  Leaves leaves;
-  add_leaves(leaves, "", json);
-  return leaves;
-}
-
-const Json* find(const Leaves& leaves, const std::string& way) {
-  const auto found = std::ranges::find(leaves, way, &Leaves::value_type::first);
-  return found == leaves.end() ? nullptr : &found->second;
-}
-
-/// A finite or infinite number; infinite ones are strings in JSON.
-std::optional<double> number(const Json* json) {
-  if (json == nullptr) return std::nullopt;
-  if (json->is_number()) return json->get<double>();
-  if (*json == "inf") return infinity;
-  if (*json == "-inf") return -infinity;
-  return std::nullopt;
-}
-
-std::string shown(const Json* json) {
-  if (json == nullptr) return "absent";
-  if (json->is_number_float()) return number_text(json->get<double>());
-  return json->is_string() ? json->get<std::string>() : json->dump();
-}
-
-std::string last_part(const std::string& way) { return way.substr(way.rfind('.') + 1); }
-
-bool not_judged(const std::string& way) {
-  return way.starts_with("versions.") || way == "reference" || way == "reference_lost_at";
-}
-
-bool must_be_equal(const std::string& way) {
-  return way.starts_with("settings.") || way == "steps" || way == "evaluations" || way == "messages";
-}
-
-/// What the numbers under one key may differ by.
-double allowed_at(const std::string& way, const Leaves& a, const Leaves& b) {
-  const double in_a = *number(find(a, way));
-  const double in_b = *number(find(b, way));
-  const std::string name = last_part(way);
-  if (must_be_equal(way)) return 0;
-  const Quantity* const row = quantity_named(name);
-  if (row == nullptr) return rounding(in_a, in_b);
-  if (row->uncertainty) {
-    const std::string_view bound = quantities[*row->uncertainty].name;
-    const std::string beside = way.substr(0, way.size() - name.size()) + std::string(bound);
-    return angle_rounding + number(find(a, beside)).value_or(0) + number(find(b, beside)).value_or(0);
-  }
-  if (row->scope == Scope::reference) return std::max(in_a, in_b) / 2;
-  if (row->id == quantity::divergence_time) {
-    return 1.001 *
-           std::max(number(find(a, "settings.sample")).value_or(0), number(find(b, "settings.sample")).value_or(0));
-  }
-  return rounding(in_a, in_b);
-}
-
-void compare_summaries(const Place& place, const Json& json_a, const Json& json_b, FileComparison& file) {
-  const Leaves a = leaves_of(json_a);
-  const Leaves b = leaves_of(json_b);
-  std::vector<std::string> ways;
-  for (const auto& leaf : a) ways.push_back(leaf.first);
-  for (const auto& leaf : b) {
-    if (find(a, leaf.first) == nullptr) ways.push_back(leaf.first);
-  }
-  std::size_t near = 0;
-  for (const std::string& way : ways) {
-    const Json* in_a = find(a, way);
-    const Json* in_b = find(b, way);
-    if (not_judged(way) || (in_a != nullptr && in_b != nullptr && *in_a == *in_b)) continue;
-    const std::optional<double> number_a = number(in_a);
-    const std::optional<double> number_b = number(in_b);
-    double allowed = 0;
-    if (number_a && number_b) allowed = allowed_at(way, a, b);
-    if (number_a && number_b && same(*number_a, *number_b, allowed)) {
-      ++near;
-    } else {
-      file.differences.push_back({place.scenario, place.method, way, shown(in_a), shown(in_b), allowed_text(allowed)});
-    }
-  }
-  file.why =
-      fmt::format("{} of {} values differ, {} more within the uncertainty", file.differences.size(), ways.size(), near);
-}
-
-/// The bounds that a summary states, by the time until which each holds.
-class Uncertainty {
- public:
-  explicit Uncertainty(const Json* summary) {
-    if (summary == nullptr || !summary->is_object()) return;
-    for (const auto& [way, value] : leaves_of(*summary)) {
-      const bool at_time = way.starts_with("error_at.");
-      const Quantity* const row = quantity_named(at_time ? last_part(way) : way);
-      const auto known = number(&value);
-      if (row == nullptr || row->scope != Scope::reference || !known) continue;
-      until_[row->id][at_time ? std::strtod(way.c_str() + std::string("error_at.").size(), nullptr) : infinity] =
-          *known;
-    }
-  }
-
-  double at(quantity::Id bound, double t) const {
-    const auto next = until_[bound].lower_bound(t);
-    return next == until_[bound].end() ? 0 : next->second;
-  }
-
- private:
-  std::array<std::map<double, double>, quantity::count> until_;
-};
-
-/// What the numbers of one column of two traces may differ by at a time.
-class ColumnRule {
- public:
-  ColumnRule(const std::string& name, const Uncertainty& of_a, const Uncertainty& of_b)
-      : row_(trace_column_of(name)), of_a_(of_a), of_b_(of_b) {}
-
-  bool is_angle() const { return row_ != nullptr && row_->place == ColumnPlace(&Trace::q); }
-
-  double allowed(double t, double a, double b) const {
-    if (row_ == nullptr) return rounding(a, b);
-    if (row_->uncertainty) return of_a_.at(*row_->uncertainty, t) + of_b_.at(*row_->uncertainty, t) + angle_rounding;
-    return row_->exact ? 0 : rounding(a, b);
-  }
-
- private:
-  const TraceColumn* row_;  // null: a column of no trace of this version
-  const Uncertainty& of_a_;
-  const Uncertainty& of_b_;
-};
-
-/// The largest difference of an angle.
-struct LargestAngle {
-  double difference = 0;
-  double t = 0;
-
-  void look_at(double a, double b, double at) {
-    if (std::fabs(a - b) > difference) *this = {std::fabs(a - b), at};
-  }
-};
-
-void compare_traces(const Place& place, const CsvColumns& a, const CsvColumns& b, const Uncertainty& of_a,
-                    const Uncertainty& of_b, FileComparison& file) {
-  const auto differ = [&](const std::string& what, const std::string& in_a, const std::string& in_b, double allowed) {
-    file.differences.push_back({place.scenario, place.method, what, in_a, in_b, allowed_text(allowed)});
-  };
-  if (a.header != b.header) {
-    differ("columns", std::to_string(a.header.size()), std::to_string(b.header.size()), 0);
-    return;
-  }
-  if (a.columns.empty() || a.header[0] != trace_columns[0].name) throw UserError("no column t");
-  const Column& t = a.columns[0];
-  if (t.size() != b.columns[0].size()) {
-    differ("rows", std::to_string(t.size()), std::to_string(b.columns[0].size()), 0);
-  }
-  const std::size_t rows = std::min(t.size(), b.columns[0].size());
-  LargestAngle largest;
-  for (std::size_t i = 0; i < a.header.size(); ++i) {
-    const ColumnRule rule(a.header[i], of_a, of_b);
-    const bool is_angle = rule.is_angle();
-    bool told = false;
-    for (std::size_t k = 0; k < rows; ++k) {
-      const double in_a = a.columns[i][k];
-      const double in_b = b.columns[i][k];
-      if (is_angle) largest.look_at(in_a, in_b, t[k]);
-      const double allowed = rule.allowed(t[k], in_a, in_b);
-      if (told || same(in_a, in_b, allowed)) continue;
-      differ(fmt::format("{} from t = {}", a.header[i], number_text(t[k])), number_text(in_a), number_text(in_b),
-             allowed);
-      told = true;
-    }
-  }
-  file.why = fmt::format("largest |dq| {:.2g} rad, at t = {}", largest.difference, number_text(largest.t));
-}
-
-/// Rows of cells; a quoted cell keeps its commas.
-std::vector<std::vector<std::string>> cells_of(const std::string& text) {
-  std::vector<std::vector<std::string>> rows(1, {""});
-  bool quoted = false;
-  for (const char letter : text) {
-    if (letter == '"') {
-      quoted = !quoted;
-    } else if (letter == ',' && !quoted) {
-      rows.back().emplace_back();
-    } else if (letter == '\n' && !quoted) {
-      rows.push_back({""});
-    } else {
-      rows.back().back() += letter;
-    }
-  }
-  return rows;
-}
-
-std::string cell_at(const std::vector<std::vector<std::string>>& rows, std::size_t row, std::size_t column) {
-  return row < rows.size() && column < rows[row].size() ? rows[row][column] : "absent";
-}
-
-/// Cells that differ; those of the first `columns` columns alone, where that is asked for.
-void compare_tables(const Place& place, const std::string& text_a, const std::string& text_b, FileComparison& file,
-                    std::size_t columns = std::numeric_limits<std::size_t>::max()) {
-  const auto a = cells_of(text_a);
-  const auto b = cells_of(text_b);
-  for (std::size_t row = 0; row < std::max(a.size(), b.size()); ++row) {
-    const std::size_t width = std::max(row < a.size() ? a[row].size() : 0, row < b.size() ? b[row].size() : 0);
-    for (std::size_t column = 0; column < std::min(width, columns); ++column) {
-      const std::string in_a = cell_at(a, row, column);
-      const std::string in_b = cell_at(b, row, column);
-      if (in_a == in_b) continue;
-      const std::string named = fmt::format("{}, {}", cell_at(a, row, 0), cell_at(a, 0, column));
-      file.differences.push_back({place.scenario, place.method, named, in_a, in_b, "equal"});
-    }
-  }
-  file.why = fmt::format("{} cells differ", file.differences.size());
-}
 
 /// One folder: its files, and its summaries once they were asked for.
 class Folder {
@@ -348,8 +70,8 @@ class Folder {
       const Json summary = Json::parse(text(file), nullptr, false);
       if (!summary.is_object()) continue;
       const Json versions = summary.value("versions", Json::object());
-      for (const auto& [name, version] : versions.items()) all[name].insert(shown(&version));
-      if (summary.contains("reference")) all["reference"].insert(shown(&summary["reference"]));
+      for (const auto& [name, version] : versions.items()) all[name].insert(shown_json(&version));
+      if (summary.contains("reference")) all["reference"].insert(shown_json(&summary["reference"]));
     }
     return all;
   }
@@ -436,22 +158,6 @@ std::string joined(const std::set<std::string>& texts) {
   return all.empty() ? "unknown" : all;
 }
 
-std::string text_of(Sameness sameness) {
-  switch (sameness) {
-    case Sameness::bytes:
-      return "same bytes";
-    case Sameness::within:
-      return "same within uncertainty";
-    case Sameness::shown:
-      return "shown, not judged";
-    case Sameness::different:
-      return "DIFFERENT";
-    case Sameness::not_compared:
-      break;
-  }
-  return "not compared";
-}
-
 }  // namespace
 
 bool Comparison::different() const {
@@ -474,71 +180,10 @@ Comparison compare_folders(const fs::path& path_a, const fs::path& path_b) {
   return comparison;
 }
 
-std::string comparison_table(const Comparison& comparison, std::size_t most) {
-  std::string text;
-  if (!comparison.versions.empty()) {
-    TextTable versions("lll", {"made by", "A", "B"});
-    for (const VersionDifference& version : comparison.versions) versions.add({version.name, version.a, version.b});
-    text += versions.text() + '\n';
-  }
-  TextTable files("lll", {"file", "A and B are", ""});
-  for (const FileComparison& file : comparison.files) files.add({file.file, text_of(file.sameness), file.why});
-  // Summaries first: they name the settings.
-  TextTable differences("lllrrr", {"scenario", "method", "metric", "A", "B", "allowed"});
-  std::size_t count = 0;
-  for (const bool summaries : {true, false}) {
-    for (const FileComparison& file : comparison.files) {
-      if (file.sameness != Sameness::different || (place_of(file.file).kind == Kind::summary) != summaries) continue;
-      for (const Difference& one : file.differences) {
-        if (count++ < most) differences.add({one.scenario, one.method, one.metric, one.a, one.b, one.allowed});
-      }
-    }
-  }
-  text += files.text();
-  if (count > 0) {
-    text += fmt::format("\n{} of {} differences\n", std::min(most, count), count) + differences.text();
-  }
-  TextTable shown("llrr", {"table", "cell", "A", "B"});
-  std::size_t cells = 0;
-  for (const FileComparison& file : comparison.files) {
-    if (file.sameness != Sameness::shown) continue;
-    for (const Difference& one : file.differences) {
-      if (cells++ < most) shown.add({file.file, one.metric, one.a, one.b});
-    }
-  }
-  if (cells > 0) {
-    text +=
-        fmt::format("\n{} of {} cells of the report's tables, CPU times among them\n", std::min(most, cells), cells) +
-        shown.text();
-  }
-  const auto of = [&](Sameness sameness) {
-    return std::ranges::count(comparison.files, sameness, &FileComparison::sameness);
-  };
-  return text +
-         fmt::format("\n{} files: {} same bytes, {} same within uncertainty, {} different, {} shown, {} not compared\n",
-                     comparison.files.size(), of(Sameness::bytes), of(Sameness::within), of(Sameness::different),
-                     of(Sameness::shown), of(Sameness::not_compared));
-}
-
-std::string comparison_json(const Comparison& comparison) {
-  Json json = {{"same", !comparison.different()}, {"versions", Json::array()}, {"files", Json::array()}};
-  for (const VersionDifference& version : comparison.versions) {
-    json["versions"].push_back({{"name", version.name}, {"a", version.a}, {"b", version.b}});
-  }
-  for (const FileComparison& file : comparison.files) {
-    Json differences = Json::array();
-    for (const Difference& one : file.differences) {
-      differences.push_back({{"scenario", one.scenario},
-                             {"method", one.method},
-                             {"metric", one.metric},
-                             {"a", one.a},
-                             {"b", one.b},
-                             {"allowed", one.allowed}});
-    }
-    json["files"].push_back(
-        {{"file", file.file}, {"verdict", text_of(file.sameness)}, {"why", file.why}, {"differences", differences}});
-  }
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+std::string version_of(const fs::path& folder, const std::string& name) {
+  const auto versions = Folder(folder).versions();
+  const auto found = versions.find(name);
+  return found == versions.end() ? "" : joined(found->second);
 }
 
 }  // namespace odeval

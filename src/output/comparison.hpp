@@ -59,6 +59,13 @@ struct Comparison {
 /// Throws UserError when a folder is missing or holds no results.
 Comparison compare_folders(const std::filesystem::path& a, const std::filesystem::path& b);
 
+/// What made the results of a folder, by its name in the summaries ("ode_double"); several where runs of several builds
+/// lie together. Throws UserError as compare_folders does.
+std::string version_of(const std::filesystem::path& folder, const std::string& name);
+
+/// "same bytes", "DIFFERENT"
+std::string text_of(Sameness sameness);
+
 /// The files, and the first `most` differences.
 std::string comparison_table(const Comparison& comparison, std::size_t most = 12);
 std::string comparison_json(const Comparison& comparison);

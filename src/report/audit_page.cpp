@@ -48,7 +48,7 @@ std::vector<int> refinements(const Answer& answer) {
 
 int colour_of_run(std::size_t run) {
   const int number = static_cast<int>(run);
-  return number < ink ? number : (number + 1) % palette_size;
+  return number < ink ? number : (number + 1) % method_colours;
 }
 
 Cell cell(const Estimate& error) {

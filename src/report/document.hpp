@@ -29,13 +29,22 @@ struct Table {
 
 enum class Mark { line, points, line_and_points };
 
+// Colours, by their index in the style sheet. One of them has one meaning on a whole page: the first are those of
+// methods; what is there to be compared with and is not told apart is grey, and so is what marks a value, dotted; those
+// of variants (of a setting, a quantity, a body) each figure counts anew, and no method has one of them.
+inline constexpr int method_colours = 12;
+inline constexpr int rest_colour = method_colours;
+inline constexpr int guide_colour = rest_colour + 1;
+inline constexpr int first_variant = guide_colour + 1;
+inline constexpr int variant_colours = 6;  // then their dashes and markers differ
+
 /// Points that belong together. A value that is not finite is a gap.
 struct Series {
   std::string label;
   Column x;
   Column y;
   Mark mark = Mark::line;
-  int colour = -1;  // index of the palette, so that a method has one colour in all figures; < 0: the next one
+  int colour = -1;  // so that a method has one colour in all figures; < 0: that of the next variant
   bool dashed = false;
 };
 
@@ -46,6 +55,7 @@ struct Shade {
 };
 
 struct Panel {
+  std::string title{};  // above it, where a figure has several; empty: what is on its y axis
   std::string x_label{};
   std::string y_label{};
   std::vector<Series> series{};
@@ -76,6 +86,7 @@ struct Picture {
 /// A paragraph of plain text; the page escapes it.
 struct Text {
   std::string text;
+  std::string evidence{};  // anchor of the section that shows it, or empty
 };
 
 /// A sentence that stands for a section, beside one small plot of it.

@@ -16,7 +16,8 @@
 namespace odeval::report {
 namespace {
 
-constexpr int clear_colours = 8;  // of the palette: those that everybody tells apart
+constexpr int clear_colours = 8;  // of the methods': those that everybody tells apart
+constexpr int dotted = 3;         // of the dashes
 
 constexpr double most_ticked_decades = 1e8;  // more leave no room for ticks within each
 
@@ -144,10 +145,12 @@ std::string script_of(const Panel& panel, const std::vector<Look>& looks) {
         number_text(*from), svg_colour_code(svg_shade));
   }
   std::string plots;
-  for (std::size_t i = 0; i < panel.series.size(); ++i) {
-    if (!has_points(panel.series[i], panel)) continue;
-    script += data_block(panel.series[i], panel, i);
-    plots += (plots.empty() ? "plot " : ", ") + plotted(panel.series[i], looks[i], i);
+  for (const bool behind : {true, false}) {
+    for (std::size_t i = 0; i < panel.series.size(); ++i) {
+      if ((looks[i].colour == rest_colour) != behind || !has_points(panel.series[i], panel)) continue;
+      script += data_block(panel.series[i], panel, i);
+      plots += (plots.empty() ? "plot " : ", ") + plotted(panel.series[i], looks[i], i);
+    }
   }
   return script + plots + "\n";
 }
@@ -162,16 +165,24 @@ std::string described(const Panel& panel) {
 }
 
 Look look_of(const Series& series, int index) {
-  const int round = index / palette_size;
-  const bool unclear = index % palette_size >= clear_colours;
-  const int dash = series.dashed ? 1 + 2 * ((round + (unclear ? 1 : 0)) % 2) : 2 * ((round + (unclear ? 1 : 0)) % 3);
-  return {index % palette_size, dash, (index + round) % static_cast<int>(markers.size()), series.mark != Mark::points,
-          series.mark != Mark::line};
+  const bool has_line = series.mark != Mark::points;
+  const bool has_points = series.mark != Mark::line;
+  const int marker = index % static_cast<int>(markers.size());
+  if (index == rest_colour) return {rest_colour, series.dashed ? 1 : 0, marker, has_line, !has_line};
+  if (index == guide_colour) return {guide_colour, dotted, marker, has_line, has_points};
+  if (index < method_colours) {
+    const int unclear = index >= clear_colours ? 1 : 0;
+    return {index, series.dashed ? 1 + 2 * unclear : 2 * unclear, marker, has_line, has_points};
+  }
+  const int variant = index - first_variant;
+  const int round = variant / variant_colours;
+  return {first_variant + variant % variant_colours, series.dashed ? 1 + 2 * (round % 2) : 2 * (round % 3),
+          (variant + round) % static_cast<int>(markers.size()), has_line, has_points};
 }
 
-/// The first index of the palette that nothing has taken.
+/// The first variant's index that nothing has taken.
 int free_index(const std::vector<int>& taken) {
-  int index = 0;
+  int index = first_variant;
   while (std::ranges::find(taken, index) != taken.end()) ++index;
   return index;
 }

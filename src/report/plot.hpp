@@ -18,10 +18,8 @@ struct Look {
   bool operator==(const Look&) const = default;
 };
 
-inline constexpr int palette_size = 12;
-
-/// The looks of all series of a figure, panel by panel. A palette index keeps its colour whatever else is drawn; past
-/// the eight colours that everybody tells apart, the dashes and markers differ as well.
+/// The looks of all series of a figure, panel by panel. A colour that was asked for stays whatever else is drawn; past
+/// the eight colours of methods that everybody tells apart, the dashes and markers differ as well.
 std::vector<std::vector<Look>> looks_of(const Figure& figure);
 
 /// One plot. `id` is unique on the page and begins the name of everything in it. Throws MachineError as `run_gnuplot`.

@@ -12,8 +12,8 @@ void pass(Way& way, Value& value) {
 
 template <class Way, bytes::is<Text> Value>
 void pass(Way& way, Value& value) {
-  auto& [text] = value;
-  pass(way, text);
+  auto& [text, evidence] = value;
+  each(way, text, evidence);
 }
 
 template <class Way, bytes::is<Table> Value>
@@ -36,8 +36,8 @@ void pass(Way& way, Value& value) {
 
 template <class Way, bytes::is<Panel> Value>
 void pass(Way& way, Value& value) {
-  auto& [x_label, y_label, series, log_x, log_y, equal_axes, shade, y_range] = value;
-  each(way, x_label, y_label, series, log_x, log_y, equal_axes, shade, y_range);
+  auto& [title, x_label, y_label, series, log_x, log_y, equal_axes, shade, y_range] = value;
+  each(way, title, x_label, y_label, series, log_x, log_y, equal_axes, shade, y_range);
 }
 
 template <class Way, bytes::is<Figure> Value>

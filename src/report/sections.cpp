@@ -57,33 +57,48 @@ bool is_numeric(const Table& table, std::size_t column) {
   });
 }
 
-/// Each label and look once.
-Items legend(const Figure& figure, const std::vector<std::vector<Look>>& looks) {
+/// Each label and look of a panel once; last and in one what is grey, by name while that is short.
+Items legend(const Panel& panel, const std::vector<Look>& looks) {
+  constexpr std::size_t most_named = 4;
   struct Entry {
     std::string label;
     Look look;
     bool drawn;
   };
   std::vector<Entry> entries;
-  for (std::size_t p = 0; p < figure.panels.size(); ++p) {
-    const Panel& panel = figure.panels[p];
-    for (std::size_t s = 0; s < panel.series.size(); ++s) {
-      const Series& series = panel.series[s];
-      const bool drawn = report::has_points(series, panel);
-      const auto known = std::ranges::find_if(
-          entries, [&](const Entry& entry) { return entry.label == series.label && entry.look == looks[p][s]; });
-      if (known != entries.end()) {
-        known->drawn = known->drawn || drawn;
-      } else if (!series.label.empty()) {
-        entries.push_back({series.label, looks[p][s], drawn});
-      }
+  std::vector<Entry> rest;
+  for (std::size_t s = 0; s < panel.series.size(); ++s) {
+    const Series& series = panel.series[s];
+    if (series.label.empty()) continue;
+    std::vector<Entry>& all = looks[s].colour == rest_colour ? rest : entries;
+    const bool drawn = report::has_points(series, panel);
+    const auto known = std::ranges::find_if(
+        all, [&](const Entry& entry) { return entry.label == series.label && entry.look == looks[s]; });
+    if (known == all.end()) {
+      all.push_back({series.label, looks[s], drawn});
+    } else {
+      known->drawn = known->drawn || drawn;
     }
+  }
+  if (!rest.empty()) {
+    Entry one{"", rest.front().look, false};
+    for (const Entry& entry : rest) {
+      one.label += (one.label.empty() ? "" : ", ") + entry.label;
+      one.drawn = one.drawn || entry.drawn;
+    }
+    if (rest.size() > most_named) one.label = fmt::format("{} other methods", rest.size());
+    entries.push_back(std::move(one));
   }
   Items items;
   for (const Entry& entry : entries) {
     items.push_back({{"swatch", swatch_svg(entry.look)}, {"label", entry.label}, {"undrawn", !entry.drawn}});
   }
   return items;
+}
+
+/// What is said above a panel; without a title of its own what its y axis has, without the unit.
+std::string title_of(const Panel& panel) {
+  return panel.title.empty() ? panel.y_label.substr(0, panel.y_label.find(", ")) : panel.title;
 }
 
 /// The reasons of its shades, each once, to be put behind its caption.
@@ -116,15 +131,18 @@ Values SectionWriter::values(const Section& section, std::string (*csv)(const Ta
   csv_ = csv;
   Items blocks;
   for (const Block& block : section.blocks) {
-    Values values{
-        {"paragraph", ""}, {"table", Items{}}, {"figure", Items{}}, {"picture", Items{}}, {"highlight", Items{}}};
+    Values values{{"paragraph", ""},   {"shown_in", ""},     {"table", Items{}},
+                  {"figure", Items{}}, {"picture", Items{}}, {"highlight", Items{}}};
     std::visit([&](const auto& one) { add_block(values, one); }, block);
     blocks.push_back(std::move(values));
   }
   return {{"name", section.name}, {"title", section.title}, {"blocks", std::move(blocks)}};
 }
 
-void SectionWriter::add_block(Values& block, const Text& text) { block.insert_or_assign("paragraph", text.text); }
+void SectionWriter::add_block(Values& block, const Text& text) {
+  block.insert_or_assign("paragraph", text.text);
+  block.insert_or_assign("shown_in", anchors_.has(text.evidence) ? text.evidence : "");
+}
 
 void SectionWriter::add_block(Values& block, const Table& table) {
   if (!tables_.insert(table.name).second) throw std::logic_error("two tables are named '" + table.name + "'");
@@ -166,7 +184,16 @@ Values SectionWriter::panel_values(const Figure& figure, std::size_t number, con
     why_not = error.what();
   }
   if (!why_not.empty()) missing_.push_back(fmt::format("{}: {}", figure.name, why_not));
-  return {{"plot", plot}, {"why_not", why_not}, {"x", panel.x_label}, {"y", panel.y_label}};
+  const Items labels = legend(panel, looks);
+  const bool several = figure.panels.size() > 1;
+  return {{"letter", several ? std::string(1, static_cast<char>('a' + number % 26)) : ""},
+          {"panel_title", title_of(panel)},
+          {"plot", plot},
+          {"why_not", why_not},
+          {"x", panel.x_label},
+          {"y", panel.y_label},
+          {"has_legend", !labels.empty()},
+          {"legend", labels}};
 }
 
 void SectionWriter::add_block(Values& block, const Figure& figure) {
@@ -174,12 +201,9 @@ void SectionWriter::add_block(Values& block, const Figure& figure) {
   const auto looks = looks_of(figure);
   Items panels;
   for (std::size_t i = 0; i < figure.panels.size(); ++i) panels.push_back(panel_values(figure, i, looks[i], id));
-  const Items labels = legend(figure, looks);
   block.insert_or_assign("figure", Items{{{"id", id},
                                           {"columns", std::clamp(figure.columns, 1, 4)},
                                           {"panels", std::move(panels)},
-                                          {"has_legend", !labels.empty()},
-                                          {"legend", labels},
                                           {"title", figure.title},
                                           {"caption", figure.caption + shades(figure)}}});
 }
@@ -194,13 +218,10 @@ void SectionWriter::add_block(Values& block, const Picture& picture) {
 void SectionWriter::add_block(Values& block, const Highlight& highlight) {
   const Figure& figure = highlight.figure;
   const std::string id = anchors_.take("short", figure.name);
-  const auto looks = looks_of(figure);
-  Values values = panel_values(figure, 0, looks[0], id);
-  values.insert({{"id", id},
-                 {"sentence", highlight.sentence},
-                 {"evidence", highlight.evidence},
-                 {"legend", legend(figure, looks)}});
-  block.insert_or_assign("highlight", Items{std::move(values)});
+  block.insert_or_assign("highlight", Items{{{"id", id},
+                                             {"sentence", highlight.sentence},
+                                             {"evidence", highlight.evidence},
+                                             {"panels", Items{panel_values(figure, 0, looks_of(figure)[0], id)}}}});
 }
 
 }  // namespace odeval::report

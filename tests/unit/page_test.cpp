@@ -68,13 +68,14 @@ Series power(const std::string& label, double order, int colour) {
 
 Figure curves() {
   Figure figure{"fig-waves", "Waves & <shades>.", "Two waves; the second one has two gaps.", {}, 2};
-  Panel time{"t, s", "q1, rad", {}};
+  Panel time{"Waves of <q1>", "t, s", "q1, rad", {}};
   for (int i = 0; i < 4; ++i)
     time.series.push_back(wave("method " + std::to_string(i), 0.4 * i, Mark::line, i, i == 3));
   time.series[1].y[100] = nan;
   time.series[1].y[150] = infinity;
   time.shade = Shade{6.5, "the reference's own uncertainty is larger than what is compared"};
-  Panel points{"t, s",
+  Panel points{"",
+               "t, s",
                "it's q2, rad",
                {wave("method 2", 0, Mark::points, 2, false), wave("other <x>", 1, Mark::line_and_points, 9, true)}};
   figure.panels = {time, points};
@@ -82,22 +83,23 @@ Figure curves() {
 }
 
 Figure log_log() {
-  Panel panel{"step, s", "error, rad", {power("first order", 1, 0), power("fourth order", 4, 8), power("next", 2, -1)}};
+  Panel panel{
+      "", "step, s", "error, rad", {power("first order", 1, 0), power("fourth order", 4, 8), power("next", 2, -1)}};
   panel.log_x = panel.log_y = true;
   panel.series[1].y[4] = 0;  // which no logarithm has
   return {"fig-order", "Order.", "Double logarithmic.", {panel}, 1};
 }
 
 Figure circle() {
-  Panel panel{"y, m", "z, m", {{"", {}, {}, Mark::line, 0, false}}};
+  Panel panel{"", "y, m", "z, m", {{"", {}, {}, Mark::line, 0, false}}};
   for (int i = 0; i <= 60; ++i) {
     panel.series[0].x.push_back(std::cos(i * 0.104719755));
     panel.series[0].y.push_back(std::sin(i * 0.104719755));
   }
   panel.equal_axes = true;
-  Panel flat{"t, s", "constant", {{"flat", {0, 1, 2}, {3, 3, 3}, Mark::line, -1, false}}};
+  Panel flat{"", "t, s", "constant", {{"flat", {0, 1, 2}, {3, 3, 3}, Mark::line, -1, false}}};
   flat.y_range = {2, 5};
-  Panel none{"t, s", "nothing", {{"none", {0, 1, 2}, {nan, infinity, nan}, Mark::line, -1, false}}};
+  Panel none{"", "t, s", "nothing", {{"none", {0, 1, 2}, {nan, infinity, nan}, Mark::line, -1, false}}};
   return {"fig-circle", "Circle.", "One metre across is one metre up.", {panel, flat, none}, 3};
 }
 
@@ -287,21 +289,42 @@ void a_colour_stays_with_its_index() {
   CHECK(looks[0][2].colour == looks[1][0].colour && looks[0][2].marker == looks[1][0].marker);
   CHECK(looks[0][3].dash != looks[0][2].dash);
   const auto order = looks_of(log_log());
-  CHECK_EQUAL(order[0][2].colour, 1);  // the first that no series asked for
+  CHECK_EQUAL(order[0][2].colour, first_variant);  // no method's
   Figure twice = log_log();
   twice.panels.push_back(twice.panels[0]);
   const auto both = looks_of(twice);
   CHECK(both[0] == both[1]);  // as many panels as there are, one label has one look
-  // No two indices look alike, with or without dashes, as far as the project has methods.
+  // No two indices look alike, with or without dashes; what marks a value is dotted, asked for or not.
   std::vector<Look> seen;
-  for (int index = 0; index < 2 * palette_size; ++index) {
+  for (int index = 0; index < first_variant + 2 * variant_colours; ++index) {
     for (const bool dashed : {false, true}) {
-      const Look look = looks_of({"", "", "", {{"", "", {{"", {}, {}, Mark::line, index, dashed}}}}, 1})[0][0];
+      if (index == guide_colour && dashed) continue;
+      const Look look = looks_of({"", "", "", {{"", "", "", {{"", {}, {}, Mark::line, index, dashed}}}}, 1})[0][0];
       CHECK(std::ranges::none_of(
           seen, [&](const Look& other) { return other.colour == look.colour && other.dash == look.dash; }));
       seen.push_back(look);
     }
   }
+}
+
+/// Letters and titles where there are several panels; each with the legend of its own curves; what is grey in one
+/// entry.
+void a_panel_says_what_it_is(const std::string& html) {
+  CHECK(holds_text(html, "<p class=\"panel-title\"><b>a</b> Waves of &lt;q1&gt;</p>"));
+  CHECK(holds_text(html, "<p class=\"panel-title\"><b>b</b> it&#39;s q2</p>"));  // of the y axis, without its unit
+  CHECK(!holds_text(html, "<b>a</b> error</p>"));                                // alone
+  const std::size_t second = html.find("it&#39;s q2</p>");
+  const std::string legend = html.substr(second, html.find("</ul>", second) - second);
+  CHECK(holds_text(legend, "method 2") && holds_text(legend, "other &lt;x&gt;") && !holds_text(legend, "method 1"));
+  Document grey;
+  Figure rest{"fig-rest", "", "", {{"", "t, s", "q, rad", {}}}, 1};
+  for (const char* const label : {"one", "two", "three"})
+    rest.panels[0].series.push_back(wave(label, 0.1, Mark::line, label[0] == 't' ? rest_colour : 0, false));
+  grey.sections = {{"rest", "", {rest}}};
+  const std::string page = page_of(grey).html;
+  CHECK(holds_text(page, "two, three</li>") && count(page, "<svg class=\"swatch\"") == 2);
+  // Behind the others.
+  CHECK(page.find("<title>two</title>") < page.find("<title>one</title>"));
 }
 
 void the_same_name_twice_is_a_mistake() {
@@ -363,6 +386,7 @@ int main(int argc, char** argv) {
   the_answer_stands_before_the_evidence(page.html);
   tables_have_all_digits_beside_the_page();
   a_colour_stays_with_its_index();
+  a_panel_says_what_it_is(page.html);
   the_same_name_twice_is_a_mistake();
   what_is_not_finite_is_a_gap(page.html);
   gnuplot_fails_in_one_line();
