@@ -32,19 +32,21 @@ inline constexpr std::array<std::string_view, 5> sor_ws{"1", "1.2", "1.4", "1.6"
 }  // namespace tried
 
 inline constexpr std::array searched_settings{
-    SearchedSetting{"ode.start", true, tried::starts,
+    SearchedSetting{
+        "ode.start", true, tried::starts,
         [](const OdeSettings& ode) { return std::string(ode.start == Start::half_step ? "half-step" : "as-given"); }},
     SearchedSetting{"ode.erp", true, tried::erps, [](const OdeSettings& ode) { return number_text(ode.erp); }},
     SearchedSetting{"ode.rotation", true, tried::rotations,
-        [](const OdeSettings& ode) {
-          return std::string(ode.rotation == Turning::finite ? "finite" : "infinitesimal");
-        }},
+                    [](const OdeSettings& ode) {
+                      return std::string(ode.rotation == Turning::finite ? "finite" : "infinitesimal");
+                    }},
     SearchedSetting{"ode.friction_axes", true, tried::axes,
-        [](const OdeSettings& ode) {
-          return std::string(ode.friction_axes == FrictionAxes::sliding ? "sliding" : "plane-space");
-        }},
+                    [](const OdeSettings& ode) {
+                      return std::string(ode.friction_axes == FrictionAxes::sliding ? "sliding" : "plane-space");
+                    }},
     SearchedSetting{"ode.cfm", false, tried::cfms, [](const OdeSettings& ode) { return number_text(ode.cfm); }},
-    SearchedSetting{"ode.iterations", false, tried::iterations, [](const OdeSettings& ode) { return std::to_string(ode.iterations); }},
+    SearchedSetting{"ode.iterations", false, tried::iterations,
+                    [](const OdeSettings& ode) { return std::to_string(ode.iterations); }},
     SearchedSetting{"ode.sor_w", false, tried::sor_ws, [](const OdeSettings& ode) { return number_text(ode.sor_w); }},
 };
 

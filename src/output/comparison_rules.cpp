@@ -199,7 +199,8 @@ void compare_summaries(const Place& place, const Json& json_a, const Json& json_
     if (number_a && number_b && same(*number_a, *number_b, allowed)) {
       ++near;
     } else {
-      file.differences.push_back({place.scenario, place.method, way, shown_json(in_a), shown_json(in_b), allowed_text(allowed)});
+      file.differences.push_back(
+          {place.scenario, place.method, way, shown_json(in_a), shown_json(in_b), allowed_text(allowed)});
     }
   }
   file.why =
@@ -213,8 +214,7 @@ Uncertainty::Uncertainty(const Json* summary) {
     const Quantity* const row = quantity_named(at_time ? last_part(way) : way);
     const auto known = number(&value);
     if (row == nullptr || row->scope != Scope::reference || !known) continue;
-    until_[row->id][at_time ? std::strtod(way.c_str() + std::string("error_at.").size(), nullptr) : infinity] =
-        *known;
+    until_[row->id][at_time ? std::strtod(way.c_str() + std::string("error_at.").size(), nullptr) : infinity] = *known;
   }
 }
 

@@ -97,15 +97,24 @@ Table table_of(const std::map<std::pair<std::string, std::string>, Run>& runs) {
 void require_other_release(const fs::path& other, const std::string& here) {
   const std::string there = version_of(other, version_name);
   if (release_of(there) != release_of(here)) return;
-  throw UserError(fmt::format("--releases {}: holds results of ODE {}, which is this build's own release; another build's "
-                              "are wanted (src/engines/ode/README.md)",
-                              other.string(), release_of(there)));
+  throw UserError(
+      fmt::format("--releases {}: holds results of ODE {}, which is this build's own release; another build's "
+                  "are wanted (src/engines/ode/README.md)",
+                  other.string(), release_of(there)));
 }
 
 Section releases_section(const fs::path& own, const std::optional<fs::path>& other, const std::string& here) {
   Content content;
-  content.values = {{"here", release_of(here)}, {"other", ""},  {"there", ""},     {"folder", ""}, {"runs", 0},
-                    {"same", 0},                {"within", 0}, {"different", 0}, {"alone", 0},  {"release", ""}};
+  content.values = {{"here", release_of(here)},
+                    {"other", ""},
+                    {"there", ""},
+                    {"folder", ""},
+                    {"runs", 0},
+                    {"same", 0},
+                    {"within", 0},
+                    {"different", 0},
+                    {"alone", 0},
+                    {"release", ""}};
   const auto set = [&](const char* name, Value value) { content.values.insert_or_assign(name, std::move(value)); };
   if (other) {
     const Comparison comparison = compare_folders(own, *other);

@@ -1,5 +1,5 @@
-// Every number that the page's prose says comes from what was measured or set: none is typed into a template, a sentence
-// of the first screen or an advice, but for those below, each with its reason.
+// Every number that the page's prose says comes from what was measured or set: none is typed into a template, a
+// sentence of the first screen or an advice, but for those below, each with its reason.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -45,7 +45,8 @@ Allowed allowed[] = {
     {"(cases 1, 3 and 4|Cases 1 and 2|five cases)\\b", "the rows of the 2010 report's Table 5.2", "table-5-2"},
     {"95 % interval", "the one interval that fits are given with"},
     // Mathematics: true of the formula, whatever is measured.
-    {"-pi/2|h\\s*/\\s*2|g h T / 2|kd²/2m|w h / 2|2 atan|/\\s*2 and comes back|t = -?0|t = -h/2|M\\^-1|x\\)\\^-1( - 1)?|1/s(²)?|1/ERP|"
+    {"-pi/2|h\\s*/\\s*2|g h T / 2|kd²/2m|w h / 2|2 atan|/\\s*2 and comes back|t = -?0|t = -h/2|M\\^-1|x\\)\\^-1( - "
+     "1)?|1/s(²)?|1/ERP|"
      "\\(1 \\+ c\\)|1 / \\(h kp|1 - ERP|1 \\+ a\\^2|R'R - 1",
      "formulas"},
     {"\\b(ERP|CFM)( =)? 0\\b", "none of it"},
@@ -86,8 +87,7 @@ std::vector<std::string> literals_of(const std::string& source) {
   const std::regex literal("\"((?:[^\"\\\\\n]|\\\\.)*)\"");
   std::vector<std::string> all;
   for (std::sregex_iterator at(code.begin(), code.end(), literal), end; at != end; ++at) {
-    const std::string text =
-        std::regex_replace(words_of_template((*at)[1].str()), std::regex("\\{[^{}]*\\}"), "");
+    const std::string text = std::regex_replace(words_of_template((*at)[1].str()), std::regex("\\{[^{}]*\\}"), "");
     if (text.find(' ') != std::string::npos && !text.starts_with(" --")) all.push_back(text);
   }
   return all;
@@ -128,7 +128,8 @@ std::string typed_number(const Prose& prose) {
 
 /// The test sees what it is there to see.
 void a_typed_number_is_seen() {
-  for (const char* const text : {"an error of 0.3 rad", "three times as large", "after one second", "twice as good", "ERP 0.8"}) {
+  for (const char* const text :
+       {"an error of 0.3 rad", "three times as large", "after one second", "twice as good", "ERP 0.8"}) {
     CHECK(!typed_number({"x", words_of_template(text)}).empty());
   }
   CHECK(typed_number({"x", words_of_template("an error of {{error}} rad, {{#list}}{{one}}{{/list}} at h/2")}).empty());
