@@ -147,4 +147,19 @@ Convergence Spread::convergence(const Estimate& error, double unseen) const {
   return by_chance || (falls && *falls > least_order) ? Convergence::rough : Convergence::none;
 }
 
+std::optional<double> step_that_keeps(double wanted, const std::vector<StepError>& runs, std::optional<double> order,
+                                      bool settled) {
+  std::size_t keeps = 0;
+  while (keeps < runs.size() && !(runs[keeps].most <= wanted)) ++keeps;
+  if (keeps == 0) return runs.front().step;
+  const StepError& coarser = runs[keeps - 1];
+  if (keeps < runs.size()) {
+    const StepError& finer = runs[keeps];
+    if (!settled || !(finer.most > 0)) return finer.step;
+    order = std::log(coarser.most / finer.most) / std::log(coarser.step / finer.step);
+  }
+  if (!settled || !order || !(*order > 0)) return std::nullopt;
+  return coarser.step * std::pow(wanted / coarser.most, 1 / *order);
+}
+
 }  // namespace odeval::audit

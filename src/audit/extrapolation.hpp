@@ -58,4 +58,15 @@ class Spread {
   std::vector<double> table_;  // T, of one time
 };
 
+/// A run at a step, and what its error may be at most.
+struct StepError {
+  double step = 0;
+  double most = 0;
+};
+
+/// The largest step that keeps an error, none larger than that of the first run. Between two of the runs, which get
+/// finer, along the line of logarithms, past the finest by the order seen there; where they are not settled, a run's.
+std::optional<double> step_that_keeps(double wanted, const std::vector<StepError>& runs, std::optional<double> order,
+                                      bool settled);
+
 }  // namespace odeval::audit

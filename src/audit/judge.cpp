@@ -68,8 +68,7 @@ class Judge {
       : records_(records),
         answer_(answer),
         others_(records.tried.size() + (records.with_numbers ? 1 : 0)),
-        all_(fresh()),
-        energy_(records.refinements) {
+        all_(fresh()) {
     for (const auto& file : records.refined) runs_.emplace_back(file);
     for (std::size_t i = 0; i < records.tried.size(); ++i) others_[i].emplace(records.tried[i]);
     if (records.with_numbers) others_.back().emplace(*records.with_numbers);
@@ -121,11 +120,8 @@ class Judge {
   void take() {
     const Moment& own = moments_.front();
     for (std::size_t i = 0; i < own.bodies.size(); ++i) take_body(i);
-    std::vector<double> energies;
-    for (const Moment& moment : moments_) energies.push_back(moment.frame.kinetic + moment.frame.potential);
-    energy_ =
-        Spread(records_.refinements);  // of this step alone: in an impact that comes later energies differ for a moment
-    energy_.add(energies.data(), 1, 1);
+    energies_.clear();
+    for (const Moment& moment : moments_) energies_.push_back(moment.frame.kinetic + moment.frame.potential);
     touched_ = touched_ || own.frame.contacts > 0;
     take_moved(own);
     chaos_.steps = own.frame.step * static_cast<std::uint64_t>(records_.refinements.back());
@@ -255,10 +251,17 @@ class Judge {
     });
     find_loss();
     if (records_.moved && moved_) answer_.growth = chaos_.growth();
-    answer_.energy.error_J = energy_.error(0);
+    answer_.energy.error_J = energy_error();
     answer_.error_over_time = curve_.points();
     find_steps();
     take_tried();
+  }
+
+  /// At the end alone: in an impact that comes later energies differ for a moment.
+  Estimate energy_error() const {
+    Spread spread(records_.refinements);
+    if (!energies_.empty()) spread.add(energies_.data(), 1, 1);
+    return spread.error(0);
   }
 
   /// What hardly moves is not lost by moving otherwise: less than a millimetre and half a degree are never a loss.
@@ -298,10 +301,11 @@ class Judge {
 
   void take_tried() {
     const std::size_t runs = runs_.size();
+    const double own_cost = cost_of(records_.unchanged_again);
     for (std::size_t i = 0; i < records_.tried.size(); ++i) {
       Tried tried{.set = records_.tried_sets[i],
                   .distance_m = {},
-                  .cpu = cost_of(records_.tried[i]) / cost_of(records_.unchanged_again),
+                  .cpu = cost_of(records_.tried[i]) / own_cost,
                   .work = solver_work(answer_, records_.tried_sets[i]),
                   .asked = records_.tried.size() - i <= records_.asked};
       for (const auto& distances : distances_) tried.distance_m.push_back(distances[runs + i]);
@@ -326,26 +330,15 @@ class Judge {
     return *middle;
   }
 
-  /// None larger than the program's own, which nobody has tried. Between two runs along the line of logarithms, past
-  /// the finest by the order seen there.
   std::optional<double> step_for(std::size_t report, double wanted) const {
     const ErrorUntil& own = answer_.error_at[report];
-    const bool settled = own.convergence() == Convergence::settled;
-    const auto most = [&](std::size_t run) {
+    std::vector<StepError> runs;
+    for (std::size_t run = 0; run < runs_.size(); ++run) {
       const Estimate& error = distances_[report][run];
-      return error.value + error.uncertainty;
-    };
-    const auto step = [&](std::size_t run) { return answer_.h_s / records_.refinements[run]; };
-    std::size_t keeps = 0;
-    while (keeps < runs_.size() && !(most(keeps) <= wanted)) ++keeps;
-    if (keeps == 0) return answer_.h_s;
-    if (keeps < runs_.size()) {
-      if (!settled || !(most(keeps) > 0)) return step(keeps);
-      const double order = std::log(most(keeps - 1) / most(keeps)) / std::log(step(keeps - 1) / step(keeps));
-      return step(keeps - 1) * std::pow(wanted / most(keeps - 1), 1 / order);
+      runs.push_back({answer_.h_s / records_.refinements[run], error.value + error.uncertainty});
     }
-    if (!settled || !own.order || !(*own.order > 0)) return std::nullopt;
-    return step(keeps - 1) * std::pow(wanted / most(keeps - 1), 1 / *own.order);
+    const bool settled = own.convergence() == Convergence::settled;
+    return step_that_keeps(wanted, runs, settled ? own.order : std::nullopt, settled);
   }
 
   struct PathPoint {
@@ -367,7 +360,7 @@ class Judge {
   std::unordered_map<std::uint32_t, Path> paths_;
   double unseen_m_ = 0;  // of any body
   double unseen_rad_ = 0;
-  Spread energy_;
+  std::vector<double> energies_;  // of the runs, at this step
   Chaos chaos_;
   double most_turned_ = 0;
   bool touched_ = false;  // bodies, so far

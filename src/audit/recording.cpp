@@ -28,6 +28,7 @@ Recording::Recording(const std::filesystem::path& file) {
     is_read = ::pread(descriptor, &head, sizeof head, 0) == static_cast<ssize_t>(sizeof head);
     if (is_read && head.magic == record_magic) {
       head_ = head;
+      errno = EPROTO;  // should the file be shorter than its head says
       map(descriptor, static_cast<std::size_t>(status.st_size));
       is_read = frames_ != nullptr;
     }

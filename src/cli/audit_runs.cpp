@@ -265,9 +265,10 @@ class Audit {
     }
     if (answer.h_s == 0) return "it took no step of an ODE in a shared library";
     if (answer.parting) {
-      return "a program that does not repeat can not be told from one that is wrong; does its step come from the "
-             "clock, "
-             "or a start from random numbers?";
+      const std::string what = "a program that does not repeat can not be told from one that is wrong; ";
+      return what + (Recording(scratch_.record(0)).has(audit::pool_of_threads)
+                         ? "it has ODE take its steps with several threads (dWorldSetStepThreadingImplementation)"
+                         : "does its step come from the clock, or a start from random numbers?");
     }
     return "";
   }
@@ -295,13 +296,8 @@ class Audit {
     std::uint64_t steps = 0;
   };
   Reached reached(std::size_t number) const {
-    Recording run(scratch_.record(number));
-    Reached last;
-    for (auto moment = run.next(); moment; moment = run.next()) {
-      last.t_s = std::max(last.t_s, moment->frame.t);
-      last.steps = std::max(last.steps, moment->frame.step);
-    }
-    return last;
+    const Recording run(scratch_.record(number));
+    return run.head() == nullptr ? Reached{} : Reached{run.head()->t, run.head()->steps};
   }
 
   static std::string description(const Run& run) {
@@ -382,6 +378,9 @@ class Audit {
       }
       if (i == 0 && run.has(audit::several_processes)) {
         answer.limits.push_back("several processes of the program step: the audit is of the first");
+      }
+      if (i == 0 && run.has(audit::pool_of_threads)) {
+        answer.limits.emplace_back("ODE takes its steps with several threads: it may repeat now, and not another time");
       }
       if (i == 0 && run.has(audit::too_many_parts)) {
         answer.limits.push_back("more joints, touching bodies or geoms than there is room for: some are not told of");

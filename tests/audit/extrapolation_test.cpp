@@ -97,6 +97,22 @@ void what_is_the_same_is_settled() {
   CHECK(same.error(0).convergence == Convergence::settled);
 }
 
+// Of errors 8 h^1.5: the step that keeps one is its root, wherever it lies among those that were tried.
+void the_step_that_keeps_an_error() {
+  std::vector<StepError> runs;
+  for (const double h : {0.04, 0.02, 0.01, 0.005}) runs.push_back({h, 8 * std::pow(h, 1.5)});
+  for (const double h : {0.03, 0.015, 0.007, 0.002, 0.0001}) {
+    CHECK_NEAR(step_that_keeps(8 * std::pow(h, 1.5), runs, 1.5, true).value(), h, 1e-12);
+  }
+  CHECK_EQUAL(step_that_keeps(1, runs, 1.5, true).value(), 0.04);  // the program's own, though a larger one would do
+  // Not settled: one that was tried and keeps it, and past them nothing.
+  CHECK_EQUAL(step_that_keeps(8 * std::pow(0.015, 1.5), runs, std::nullopt, false).value(), 0.01);
+  CHECK(!step_that_keeps(8 * std::pow(0.002, 1.5), runs, std::nullopt, false));
+  CHECK(!step_that_keeps(8 * std::pow(0.002, 1.5), runs, -0.5, true));
+  runs.back().most = NAN;
+  CHECK(!step_that_keeps(8 * std::pow(0.007, 1.5), runs, std::nullopt, false));
+}
+
 }  // namespace
 
 int main() {
@@ -107,5 +123,6 @@ int main() {
   jagged_values_are_covered();
   what_moves_apart_has_no_limit();
   what_is_the_same_is_settled();
+  the_step_that_keeps_an_error();
   return verdict();
 }

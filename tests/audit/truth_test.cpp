@@ -263,6 +263,16 @@ void tries_settings() {
   if (tried != answer["settings"].end()) CHECK_BETWEEN((*tried)["error_at"][0]["value"], 2e-4, 5e-4);
 }
 
+// The whole audit is to take at most 20 times the program on two cores: 40 of its runs' work, of which steps are 27.
+// The rest is for what recording, conversions of numbers per step and the answer cost.
+void takes_so_many_steps() {
+  const test::TemporaryFolder folder;
+  const Json answer = stated("chain", 1e-3, folder.path());
+  double steps = 0;
+  for (const Json& run : answer["runs"]) steps += run["refinement"].get<double>() * run["steps"].get<double>();
+  CHECK_BETWEEN(steps / answer["steps"].get<double>(), 20, 28);
+}
+
 // The steps that it names for 1 mm, finer than those that were tried, and for 1 cm, between two of them, keep it, and
 // not by more than five times: 0.43 mm and 3.4 mm measured. They are told for springs that are held, and the program
 // has the same ERP at any step, a stiffer spring at a smaller one.
@@ -299,6 +309,7 @@ int main() {
     for (const double h : {1e-3, 2e-3, 4e-3}) check(what, h);
   }
   tries_settings();
+  takes_so_many_steps();
   names_steps();
   a_coarse_step();
   return test::verdict();

@@ -99,6 +99,12 @@ int ODEVAL_BEFORE(dWorldQuickStep)(dWorldID world, dReal h) {
   return Session::get().step(world, h, ODEVAL_OWN(dWorldQuickStep), true, __builtin_frame_address(0));
 }
 
+void ODEVAL_BEFORE(dWorldSetStepThreadingImplementation)(dWorldID world, const dThreadingFunctionsInfo* functions,
+                                                         dThreadingImplementationID threading) {
+  if (functions != nullptr) Session::get().remark(odeval::audit::pool_of_threads);
+  ODEVAL_OWN(dWorldSetStepThreadingImplementation)(world, functions, threading);
+}
+
 void ODEVAL_BEFORE(dSpaceCollide)(dSpaceID space, void* data, dNearCallback* callback) {
   Session::get().collide(reinterpret_cast<dGeomID>(space), nullptr, data, callback, [&] {
     ODEVAL_OWN(dSpaceCollide)(space, data, callback);

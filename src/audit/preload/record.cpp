@@ -83,7 +83,7 @@ bool Record::empty_window() {
   return true;
 }
 
-void Record::add(const void* frame, std::size_t bytes) {
+void Record::add(const void* frame, std::size_t bytes, std::uint64_t step, double t) {
   if (head() == nullptr || (head_->remarks & (no_room | record_full)) != 0) return;
   const char* rest = static_cast<const char*>(frame);
   for (std::size_t left = bytes; left > 0;) {
@@ -101,6 +101,8 @@ void Record::add(const void* frame, std::size_t bytes) {
   }
   std::atomic_signal_fence(std::memory_order_seq_cst);
   head_->committed = written_;
+  head_->steps = std::max(head_->steps, step);
+  head_->t = std::max(head_->t, t);
 }
 
 }  // namespace odeval::audit

@@ -1,6 +1,7 @@
 #pragma once
 // The file that a program is recorded in, written so that it survives whatever becomes of the program.
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <utility>
 
@@ -22,7 +23,7 @@ class Record {
 
   void remark(Remark remark);
   /// Adds a frame, or remarks that there is no room, or that the record is as long as it may be.
-  void add(const void* frame, std::size_t bytes);
+  void add(const void* frame, std::size_t bytes, std::uint64_t step, double t);
 
   /// `kind` is "body" or "joint".
   void name(const char* kind, std::uint32_t number, const char* name);

@@ -23,15 +23,18 @@ enum Remark : std::uint32_t {
   reached_until = 1 << 4,      // the simulated time asked for: the program was ended there
   contacts_stayed = 1 << 5,    // over some steps, since what made them could not be called again
   steps_in_vain = 1 << 6,      // dWorldStep returned 0
-  not_accurately = 1 << 8,  // the accurate step can not take it, and last_words says why: the program was ended there
-  record_full = 1 << 9,     // as much as it may be: the record is of the program's beginning
-  too_many_parts = 1 << 7,  // joints, pairs of bodies or geoms, so that some are not told of
+  not_accurately = 1 << 8,    // the accurate step can not take it, and last_words says why: the program was ended there
+  record_full = 1 << 9,       // as much as it may be: the record is of the program's beginning
+  pool_of_threads = 1 << 10,  // takes the steps, of ODE's own
+  too_many_parts = 1 << 7,    // joints, pairs of bodies or geoms, so that some are not told of
 };
 
 struct Head {
   std::uint64_t magic;
   std::uint64_t committed;  // bytes of whole frames
   std::uint64_t behind;     // bytes that were written behind the window, of whole windows
+  std::uint64_t steps;      // of the world of most, in the record
+  double t;                 // s, of the world that went farthest, likewise
   std::uint32_t remarks;    // of Remark
   std::uint32_t refinement;
   // Of the first world that steps, before it does, without what is tried in their place:

@@ -163,6 +163,7 @@ void Session::end(Remark why) {
 void Session::describe(const World& world) {
   Head* head = record_.head();
   if (head == nullptr || world.number != 0) return;
+  head->remarks |= remarks_;
   head->refinement = static_cast<std::uint32_t>(settings_.refinement);
   dVector3 gravity;
   dWorldGetGravity(world.id, gravity);
@@ -200,7 +201,7 @@ void Session::first_step(World& world, dReal h, Stepper stepper, bool quick) {
     collisions_.each_space([this](dSpaceID space) { ledger_->draw_space(space); });
   }
   const auto& frame = sampler_.take(world, {.quick = quick});
-  record_.add(frame.data(), frame.size());
+  record_.add(frame.data(), frame.size(), world.steps, world.t);
 }
 
 int Session::step(dWorldID id, dReal h, Stepper stepper, bool quick, const void* frame_of_step) {
@@ -216,7 +217,7 @@ int Session::step(dWorldID id, dReal h, Stepper stepper, bool quick, const void*
   if (record_.head() != nullptr) {
     const double ode_s = ode_s_ + collide_s_;
     const auto& frame = sampler_.take(world, {.h = h, .quick = quick, .messages = messages_, .ode_s = ode_s});
-    record_.add(frame.data(), frame.size());
+    record_.add(frame.data(), frame.size(), world.steps, world.t);
   }
   messages_ = 0;
   collide_s_ = 0;

@@ -59,6 +59,8 @@ class Session {
   /// A step by the accurate step, with no bits of ODE's in it. Ends the program where it can not.
   static int accurately(dWorldID world, dReal h);
 
+  void remark(Remark what) { remarks_ |= what; }
+
   void leave_to_parent() { record_.leave_to_parent(); }
 
  private:
@@ -77,6 +79,7 @@ class Session {
   [[noreturn]] void end(Remark why);
 
   Settings settings_;
+  std::uint32_t remarks_ = 0;  // of Remark, for when the program takes a step
   bool follows_;
   Record record_;
   std::optional<Ledger> ledger_;
