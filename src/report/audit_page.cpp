@@ -192,7 +192,9 @@ Content energy(const Answer& answer) {
   Table table{.name = "work-total", .columns = {"by", "work, J"}};
   int colour = first_work;
   for (const WorkRow& row : works) {
-    work.series.push_back(over_time(answer, row.name, colour++, [&](const Point& p) { return p.work.*row.part; }));
+    Series series = over_time(answer, row.name, colour++, [&](const Point& p) { return p.work.*row.part; });
+    const bool is_there = std::ranges::any_of(series.y, [](double y) { return y != 0; });
+    if (is_there) work.series.push_back(std::move(series));
     table.rows.push_back({row.name, answer.work.*row.part});
   }
   work.series.push_back(
