@@ -1,4 +1,6 @@
 // odeval report: every scenario and every experiment, and the verdicts on the claims, as one page.
+#include "cli/report.hpp"
+
 #include <iostream>
 #include <thread>
 
@@ -27,18 +29,13 @@ namespace {
 namespace fs = std::filesystem;
 using experiments::Laboratory;
 
-struct Options {
-  std::string out = "results";
-  bool quiet = false;
-};
-
 struct Runs {
   std::vector<report::Files> files;
   bool diverged = false;
 };
 
 /// Every scenario in its own methods, as `odeval run` does it.
-Runs run_scenarios(Laboratory& laboratory, const Options& options) {
+Runs run_scenarios(Laboratory& laboratory, const ReportOptions& options) {
   struct Pair {
     std::string scenario;
     const catalogue::Method* method;
@@ -121,7 +118,9 @@ void write_tables(const std::vector<report::Section>& sections, const fs::path& 
   }
 }
 
-int report(const Options& options) {
+}  // namespace
+
+int report(const ReportOptions& options, const SeePage& seen) {
   const fs::path folder(options.out);
   Laboratory laboratory([](const std::string& name) {
     return read_scenario(find_scenario(name, catalogue::scenario_folder()), {}, known_names());
@@ -141,6 +140,7 @@ int report(const Options& options) {
   document.files = std::move(runs.files);
   document.command = "odeval report --out " + options.out;
   document.environment = environment();
+  if (seen) seen(document, findings);
   std::vector<report::Judged> verdicts;
   for (const report::Claim& claim : report::claims()) verdicts.push_back(report::judge(claim, findings));
 
@@ -157,10 +157,8 @@ int report(const Options& options) {
   return failures.empty() ? (runs.diverged ? 1 : 0) : 3;
 }
 
-}  // namespace
-
 Action attach_report(Flags& flags) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ReportOptions>();
   add_out_option(flags, options->out);
   flags.add_flag("--quiet", options->quiet, "no progress, no name of the page");
   return [options] { return report(*options); };

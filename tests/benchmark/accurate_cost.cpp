@@ -292,7 +292,7 @@ Work work_of(std::size_t k, const CrowdKind& kind) {
 /// Contacts that crowd, plastic, 10 s at h = 5 ms from the fall on: mean and slowest step, either against dWorldStep's
 /// mean in the same run.
 void crowd(const CrowdKind& kind) {
-  constexpr int repeats = 5;
+  constexpr int repeats = 3;
   LeastTimes accurate(crowd_steps), plain(crowd_steps);
   std::size_t crowded = 0;
   double overlap = 0;

@@ -43,13 +43,7 @@ void turn_by(const Vector3d& angle, Eigen::Vector4d& q) {
   const double scalar = w * q[0] - u.dot(v);
   q.tail<3>() = w * v + q[0] * u + u.cross(v);
   q[0] = scalar;
-  // Of a length that is nearly 1 by series as well: what they leave out is below 1e-18.
-  const double more = q.squaredNorm() - 1;
-  if (std::fabs(more) < 1e-6) {
-    q *= 1 - more * (0.5 - 0.375 * more);
-  } else {
-    q.normalize();
-  }
+  q.normalize();
 }
 
 Motion::Motion(Mechanism mechanism, int order, bool along_trees)
