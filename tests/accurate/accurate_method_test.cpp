@@ -63,25 +63,29 @@ void check_double_pendulum() {
   CHECK_BETWEEN(*ten.metrics[quantity::max_energy_drift], 0, 1e-6);
   CHECK_BETWEEN(*ten.metrics[quantity::max_gap], 0, 1e-12);
   CHECK_BETWEEN(*ten.metrics[quantity::max_out_of_plane], 0, 1e-12);
-  // Of up to 100 N, third order: 1.4e-4 N measured, dWorldStep 2.6 N.
+  // Of up to 187 N, third order: 1.4e-4 N measured, dWorldStep 2.6 N.
+  std::printf("joint forces off by %.3g N\n", *three[quantity::max_reaction_error]);
   CHECK_BETWEEN(*three[quantity::max_reaction_error], 1e-5, 1e-3);
 }
 
-/// Every impact within 1e-7 s of the reference, which is within 1e-9 s of the closed form (wall_lagrange_test), and the
-/// energy after all bounces.
+/// Every impact within 1e-9 s of the reference (9.9e-12 s measured), which is as near to the closed form
+/// (wall_lagrange_test), and the energy after all bounces (4.5e-11 J measured).
 void check_wall() {
   const Run bounced = run(test::report_scenario("wall_pendulum", 5, 1e-3), 5);
   const auto& impacts = bounced.evaluation.outcome.impacts;
   CHECK_EQUAL(impacts.size(), std::size_t{5});
   CHECK_EQUAL(impacts.size(), bounced.reference.impacts.size());
+  double off = 0;
   for (std::size_t i = 0; i < std::min(impacts.size(), bounced.reference.impacts.size()); ++i) {
     const Impact& wanted = bounced.reference.impacts[i];
-    CHECK_NEAR(impacts[i].t, wanted.t, 1e-7);
+    off = std::max(off, std::fabs(impacts[i].t - wanted.t));
+    CHECK_NEAR(impacts[i].t, wanted.t, 1e-9);
     CHECK_NEAR(impacts[i].q1, wanted.q1, 1e-7);
     CHECK_NEAR(impacts[i].qd_before, wanted.qd_before, 1e-6);
     CHECK_NEAR(impacts[i].qd_after, wanted.qd_after, 1e-6);
   }
-  CHECK_BETWEEN(*bounced.metrics[quantity::max_energy_drift], 0, 1e-6);
+  std::printf("wall: impacts off by %.2g s, energy by %.2g J\n", off, *bounced.metrics[quantity::max_energy_drift]);
+  CHECK_BETWEEN(*bounced.metrics[quantity::max_energy_drift], 0, 1e-8);
   double contacts = 0;
   for (const double count : bounced.evaluation.trace.contacts) contacts += count;
   CHECK_EQUAL(contacts, 5.0);  // rows of steps with an impact
@@ -108,8 +112,8 @@ void check_gain() {
 }
 
 /// A box that slides on level ground at an angle to its sides stops where Coulomb's law says: the cone is round, and
-/// the moment of sticking is found to 1e-8 m (coulomb_test: 3.5e-9 to 5.9e-9). ODE's pyramid is 0.1 m and more off
-/// there.
+/// the moment of sticking is found: 1e-12 m off measured, with a margin of a hundred. ODE's pyramid is 0.1 m and more
+/// off at the last two angles.
 void check_friction() {
   for (const double angle : {0.0, 0.3, 0.78539816339744831}) {
     Description slide;
@@ -122,8 +126,9 @@ void check_friction() {
     Scenario scenario = test::report_scenario("friction_slide", 1, 1e-3);
     put_bodies(scenario, slide);
     const Run stopped = run(scenario, 1);
+    std::printf("box thrown at %g rad: off by %.2g m\n", angle, *stopped.metrics[quantity::max_error_position]);
     CHECK(!stopped.evaluation.outcome.diverged);
-    CHECK_BETWEEN(*stopped.metrics[quantity::max_error_position], 0, 1e-8);
+    CHECK_BETWEEN(*stopped.metrics[quantity::max_error_position], 0, 1e-10);
     CHECK_BETWEEN(*stopped.metrics[quantity::rest_time], 0.678, 0.682);  // u / (mu g) = 0.680 s, on a grid of 1 ms
   }
 }
