@@ -1,4 +1,6 @@
 // odeval report: every scenario and every experiment, and the verdicts on the claims, as one page.
+#include "cli/report.hpp"
+
 #include <iostream>
 #include <thread>
 
@@ -28,19 +30,13 @@ namespace {
 namespace fs = std::filesystem;
 using experiments::Laboratory;
 
-struct Options {
-  std::string out = "results";
-  std::string releases{};  // a folder of results of another release of ODE, or empty
-  bool quiet = false;
-};
-
 struct Runs {
   std::vector<report::Files> files;
   bool diverged = false;
 };
 
 /// Every scenario in its own methods, as `odeval run` does it.
-Runs run_scenarios(Laboratory& laboratory, const Options& options) {
+Runs run_scenarios(Laboratory& laboratory, const ReportOptions& options) {
   struct Pair {
     std::string scenario;
     const catalogue::Method* method;
@@ -131,7 +127,9 @@ std::string own_release() {
   return "";
 }
 
-int report(const Options& options) {
+}  // namespace
+
+int report(const ReportOptions& options, const SeePage& seen) {
   const fs::path folder(options.out);
   std::optional<fs::path> other;
   if (!options.releases.empty()) report::require_other_release(other.emplace(options.releases), own_release());
@@ -154,6 +152,7 @@ int report(const Options& options) {
   document.files = std::move(runs.files);
   document.command = "odeval report --out " + options.out;
   document.environment = environment();
+  if (seen) seen(document, findings);
   std::vector<report::Judged> verdicts;
   for (const report::Claim& claim : report::claims()) verdicts.push_back(report::judge(claim, findings));
 
@@ -170,10 +169,8 @@ int report(const Options& options) {
   return failures.empty() ? (runs.diverged ? 1 : 0) : 3;
 }
 
-}  // namespace
-
 Action attach_report(Flags& flags) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ReportOptions>();
   add_out_option(flags, options->out);
   flags
       .add_option("--releases", options->releases,

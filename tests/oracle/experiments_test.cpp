@@ -1,11 +1,16 @@
-// Every experiment of the page, run once: what it leaves is whole, and the numbers that claims are judged by are those
-// that were measured.
+// Every experiment of the page: what it leaves is whole, and the numbers that claims are judged by are those that were
+// measured.
+//
+//   experiments_test --page OUT RELEASES   makes the page as `odeval report --out OUT --releases RELEASES` does and
+//                                          checks what it is made of; tests/cli/report checks the page itself
+//   experiments_test NAME                  one experiment, in this process
 #include <cmath>
 #include <map>
 #include <set>
 
 #include "catalogue/evaluation.hpp"
 #include "catalogue/paths.hpp"
+#include "cli/report.hpp"
 #include "experiments/experiment.hpp"
 #include "experiments/highlights.hpp"
 #include "experiments/parts.hpp"
@@ -37,14 +42,13 @@ struct Page {
   Findings findings;
 };
 
-/// All, or the one that is named.
-Page run_all(std::string_view only) {
-  Laboratory laboratory([](const std::string& name) {
-    return read_scenario(find_scenario(name, catalogue::scenario_folder()), {}, known_names());
+Page run_one(std::string_view name) {
+  Laboratory laboratory([](const std::string& scenario) {
+    return read_scenario(find_scenario(scenario, catalogue::scenario_folder()), {}, known_names());
   });
   Page page;
   for (const Experiment& experiment : experiments::experiments()) {
-    if (!only.empty() && experiment.name != only) continue;
+    if (experiment.name != name) continue;
     const double start = catalogue::cpu_seconds();
     try {
       page.sections.push_back(section_of(experiment, laboratory, page.findings));
@@ -54,11 +58,14 @@ Page run_all(std::string_view only) {
     }
     std::printf("%-20s %5.2f s\n", std::string(experiment.name).c_str(), catalogue::cpu_seconds() - start);
   }
-  for (const auto& [name, finding] : page.findings.all()) {
+  return page;
+}
+
+void print(const Findings& findings) {
+  for (const auto& [name, finding] : findings.all()) {
     std::printf("%-28s %.6g +- %.2g %s\n", name.c_str(), finding.value.value_or(NAN), finding.uncertainty,
                 finding.unit.c_str());
   }
-  return page;
 }
 
 void check_new(std::set<std::string>& taken, const std::string& name) {
@@ -311,8 +318,7 @@ void check_left_out() {
 }
 
 /// What everybody reads is all there: a sentence whose numbers or plot went missing leaves the page in silence.
-void check_front(Page& page) {
-  const std::vector<report::Section> front = experiments::front_of(page.sections, page.findings);
+void check_front(const std::vector<report::Section>& front) {
   const auto count = [](const report::Section& section, auto is) { return std::ranges::count_if(section.blocks, is); };
   CHECK_EQUAL(
       count(front.at(0), [](const report::Block& block) { return std::holds_alternative<report::Text>(block); }), 4);
@@ -324,13 +330,28 @@ void check_front(Page& page) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  Page page = run_all(argc > 1 ? argv[1] : "");
-  check_parts(page);
+  if (argc == 4 && std::string_view(argv[1]) == "--page") {
+    const auto check = [](const report::Document& document, const Findings& findings) {
+      Page page{document.sections, findings};
+      page.sections.push_back(document.front.at(0));  // the answer, which is an experiment as well
+      CHECK_EQUAL(page.sections.size(), experiments::experiments().size());
+      print(findings);
+      check_parts(page);
+      check_claims(page);
+      check_numbers(page);
+      check_front(document.front);
+    };
+    CHECK_EQUAL(cli::report({.out = argv[2], .releases = argv[3]}, check), 0);
+  } else if (argc == 2) {
+    const Page page = run_one(argv[1]);
+    CHECK_EQUAL(page.sections.size(), 1u);
+    print(page.findings);
+    check_parts(page);
+  } else {
+    std::fputs("usage: experiments_test --page OUT RELEASES | NAME\n", stderr);
+    return 2;
+  }
   check_chain_of();
   check_left_out();
-  if (argc > 1) return test::verdict();
-  check_claims(page);
-  check_numbers(page);
-  check_front(page);
   return test::verdict();
 }
