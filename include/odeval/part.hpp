@@ -26,6 +26,11 @@ Function part_function(const std::string& file, const char* name, const char* wh
   void* const module = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   void* const found = module == nullptr ? nullptr : dlsym(module, name);
   if (found == nullptr) throw MachineError(std::string(what) + ": " + dlerror());
+  // OpenBLAS, which a module may bring, hands matrices of ten rows to all cores: beside other jobs that waits twenty
+  // times as long as it works, and sums hang on the number of cores.
+  using SetThreads = void (*)(int);
+  const auto set_threads = reinterpret_cast<SetThreads>(dlsym(module, "openblas_set_num_threads"));
+  if (set_threads != nullptr) set_threads(1);
   return reinterpret_cast<Function>(found);
 }
 

@@ -132,7 +132,9 @@ double off_pendulum(const Rotation& bar, double angle) {
 
 void four_bars() {
   constexpr std::size_t linkages = 40;
-  const Run bars = run(read("iftomm_four_bars"), 0.05);
+  Scenario scenario = read("iftomm_four_bars");
+  scenario.duration_s = 1.5;
+  const Run bars = run(std::move(scenario), 0.05);
   const std::vector<double> wanted = angles_of_bars(linkages, bars.grid);
   double off = 0;
   double drift = 0;
