@@ -211,7 +211,7 @@ struct Answer {
   std::vector<BodyError> error_of_body;  // at the same times, by time and body
   double motion_m = 0;                   // how far a body went from its start
   std::optional<double> lost_at_s;       // where the error is more than a tenth of the largest way, or turn, of a body
-  std::optional<double> growth;          // of a distance of starts, at the end
+  std::optional<double> growth;          // of a distance of starts, the most
   double worst_t_s = 0;                  // when the error grew last until the time of steps_for
   std::size_t limit_degree = 0;          // of the polynomial in the step that the limit is from, until then
   double steps_for_t_s = 0;              // the time that they keep it until

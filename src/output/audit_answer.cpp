@@ -286,7 +286,7 @@ AuditLines audit_lines(const Answer& answer) {
   if (answer.growth) {
     line("chaos", *answer.growth < 2
                       ? "starts moved by 1e-10 m stay as close"
-                      : fmt::format("starts moved by 1e-10 m are {:.2g} times that apart at the end", *answer.growth));
+                      : fmt::format("starts moved by 1e-10 m are at most {:.2g} times that apart", *answer.growth));
   }
   line("softness", softness_line(answer));
   line("settings", tried_line(answer));

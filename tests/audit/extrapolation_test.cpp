@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "audit/unseen.hpp"
 #include "tests/check.hpp"
 
 namespace {
@@ -80,6 +81,25 @@ void jagged_values_are_covered() {
   CHECK_BETWEEN(without / double{cases}, 0.45, 0.55);
 }
 
+// Of x -> 3.9 x (1 - x), which makes of rounding what it makes of a moved start: with more digits it goes elsewhere, by
+// less than is told, and by more than rounding comes to where nothing grows.
+void rounding_grows_with_the_motion() {
+  Chaos chaos{.moved_by_m = 1e-10, .extent_m = 1};
+  double off = 0;
+  double x = 0.3;
+  double moved = x + chaos.moved_by_m;
+  long double with_more_digits = x;
+  for (chaos.steps = 1; chaos.steps <= 30; ++chaos.steps) {
+    x = 3.9 * x * (1 - x);
+    moved = 3.9 * moved * (1 - moved);
+    with_more_digits = static_cast<long double>(3.9) * with_more_digits * (1 - with_more_digits);
+    chaos.apart_m = std::max(chaos.apart_m, std::fabs(moved - x));
+    off = std::max(off, std::fabs(static_cast<double>(with_more_digits - x)));
+    CHECK_BETWEEN(off, 0, chaos.rounding_m());
+  }
+  CHECK_BETWEEN(off, 10 * chaos.rounding_m() / chaos.growth(), 1e-3);
+}
+
 void what_moves_apart_has_no_limit() {
   const Spread apart = spread_of({1, 2, 4, 8}, [](double h) { return 0.1 / h; });
   CHECK(apart.error(0).convergence == Convergence::none);
@@ -121,6 +141,7 @@ int main() {
   what_blows_up_has_no_limit();
   the_error_of_each_run();
   jagged_values_are_covered();
+  rounding_grows_with_the_motion();
   what_moves_apart_has_no_limit();
   what_is_the_same_is_settled();
   the_step_that_keeps_an_error();

@@ -57,18 +57,48 @@ void a_motor_lifts() {
   CHECK_NEAR(slider.motor_work_J, answer.work.motors, 1e-12);
 }
 
-// What a kilogram that keeps exp(-h) of its velocity in each step, and falls, loses by that, step by step.
+// A spring of 1000 N/m that is 0.1 m open pulls a kilogram in, and rests where it bears its weight: of the energy there
+// is as much less as that is lower, and what was in the spring went into its damper.
+void a_joint_takes_what_is_gone() {
+  const audit::Answer answer = recorded("spring", "1");
+  CHECK_NEAR(answer.work.joints, -g * g / 1000, 1e-5);
+  CHECK_NEAR(of_step(answer), 0.0, 1e-5);
+}
+
+// A motor turns a mast, whose arm is off its hinge, and another pushes out a boom that is off to the side of it: both
+// at their limits all the time, and all of the work is theirs. What is left to the joints is of the order of h.
+void motors_that_turn_with_their_bodies() {
+  const audit::Answer answer = recorded("crane", "0.5");
+  for (std::size_t i = 0; i < 2; ++i) CHECK_EQUAL(answer.joint_summaries.at(i).at_limit, 500U);
+  CHECK_BETWEEN(answer.work.motors, 1, 100);
+  CHECK_BETWEEN(std::fabs(answer.work.joints) / answer.work.motors, 0, 0.01);
+  CHECK_BETWEEN(std::fabs(of_step(answer)) / answer.work.motors, 0, 0.01);
+}
+
+// A box that spins about its middle axis keeps its energy, whatever way it lies.
+void a_free_box_keeps_its_energy() {
+  const audit::Answer answer = recorded("free_box", "1");
+  for (const audit::EnergyPoint& point : answer.energy_over_time) {
+    CHECK_BETWEEN(point.kinetic_J + point.potential_J - answer.energy.begin_J, -1, 1);
+  }
+}
+
+// What a kilogram that keeps exp(-h) of its velocity and the square of it of its spin in each step, and falls, loses by
+// that, step by step. Its moment of inertia is 0.004 kg m^2.
 void damping_takes_its_part() {
   const audit::Answer answer = recorded("damped", "1");
   const double keeps = std::exp(-h);
   double across = 1;
   double down = 0;
+  double spin = 5;
   double lost = 0;
   for (int step = 0; step < 1000; ++step) {
     down += g * h;
     lost += 0.5 * (1 - keeps * keeps) * (across * across + down * down);
+    lost += 0.5 * 0.004 * (1 - std::pow(keeps, 4)) * spin * spin;
     across *= keeps;
     down *= keeps;
+    spin *= keeps * keeps;
   }
   CHECK_NEAR(answer.work.damping, -lost, 1e-9);
   CHECK_NEAR(answer.work.contacts + answer.work.joints + answer.work.added, 0.0, 1e-12);
@@ -92,6 +122,9 @@ void a_ball_comes_to_rest() {
 int main() {
   friction_takes_it_all();
   a_motor_lifts();
+  a_joint_takes_what_is_gone();
+  motors_that_turn_with_their_bodies();
+  a_free_box_keeps_its_energy();
   damping_takes_its_part();
   a_controller_takes_what_is_gone();
   a_ball_comes_to_rest();

@@ -134,6 +134,50 @@ static void soft_stop(void) {
   dJointSetSliderParam(slider, dParamStopCFM, cfm());
 }
 
+/* A box that is welded with a spring of its own, and 0.1 m away. */
+static void soft_weld(void) {
+  make_box(add(0, 0, 1), 1, 0.1, 0.1, 0.1);
+  dJointID weld = dJointCreateFixed(world, 0);
+  dJointAttach(weld, bodies[0], 0);
+  dJointSetFixed(weld);
+  dJointSetFixedParam(weld, dParamERP, erp());
+  dJointSetFixedParam(weld, dParamCFM, cfm());
+  dBodySetPosition(bodies[0], 0.1, 0, 1);
+}
+
+/* A wheel on the suspension of something that stands still, 0.1 m below. */
+static void suspension(void) {
+  dBodyID chassis = dBodyCreate(world);
+  dBodySetPosition(chassis, 0, 0, 1);
+  dBodySetKinematic(chassis);
+  make_ball(add(0, 0.5, 1), 1, 0.1);
+  dJointID fork = dJointCreateHinge2(world, 0);
+  dJointAttach(fork, chassis, bodies[0]);
+  dJointSetHinge2Anchor(fork, 0, 0.5, 1);
+  const dVector3 up = {0, 0, 1}, along = {0, 1, 0};
+  dJointSetHinge2Axes(fork, up, along);
+  dJointSetHinge2Param(fork, dParamSuspensionERP, erp());
+  dJointSetHinge2Param(fork, dParamSuspensionCFM, cfm());
+  dBodySetPosition(bodies[0], 0, 0.5, 0.9);
+}
+
+/* A mast that one motor turns, and a boom beside it that another pushes out; neither gets to its speed. */
+static void crane(void) {
+  make_box(add(0.3, 0, 2), 1, 0.1, 0.1, 0.1);
+  make_box(add(1, 0.5, 2), 1, 0.1, 0.1, 0.1);
+  dJointID mast = dJointCreateHinge(world, 0);
+  dJointAttach(mast, bodies[0], 0);
+  dJointSetHingeAnchor(mast, 0, 0, 2);
+  dJointSetHingeAxis(mast, 0, 0, 1);
+  dJointSetHingeParam(mast, dParamVel, 100);
+  dJointSetHingeParam(mast, dParamFMax, 5);
+  dJointID boom = dJointCreateSlider(world, 0);
+  dJointAttach(boom, bodies[1], bodies[0]);
+  dJointSetSliderAxis(boom, 1, 0, 0);
+  dJointSetSliderParam(boom, dParamVel, 100);
+  dJointSetSliderParam(boom, dParamFMax, 3);
+}
+
 /* A ball on soft ground. */
 static void soft_contact(void) {
   soft = 1;
@@ -141,23 +185,39 @@ static void soft_contact(void) {
   make_ball(add(0, 0, 0.2), 1, 0.1);
 }
 
-/* A ball that keeps exp(-t) of its velocity, on which the weight acts. */
+/* A ball that keeps exp(-t) of its velocity and exp(-2 t) of its spin, on which the weight acts. */
 static void damped(void) {
   dWorldSetLinearDamping(world, 1 - exp(-h));
   dWorldSetLinearDampingThreshold(world, 0);
+  dWorldSetAngularDamping(world, 1 - exp(-2 * h));
+  dWorldSetAngularDampingThreshold(world, 0);
   make_ball(add(0, 0, 10), 1, 0.1);
   dBodySetLinearVel(bodies[0], 1, 0, 0);
+  dBodySetAngularVel(bodies[0], 0, 3, 4);
 }
 
-/* A ball that damping brings to rest: its velocity is averaged over 10 ms, and at rest for 50 ms it is put to sleep. */
-static void sleeper(void) {
+/* A ball that damping slows: its velocity is averaged over 10 ms, and slow for 50 ms it is put to sleep, 0.11 m early. */
+static unsigned samples(void) { return (unsigned)lround(0.01 / h); }
+static void tired(void) {
   damped();
+  dBodySetAngularVel(bodies[0], 0, 0, 0);
   dWorldSetGravity(world, 0, 0, 0);
   dBodySetAutoDisableFlag(bodies[0], 1);
   dBodySetAutoDisableLinearThreshold(bodies[0], 0.5);
   dBodySetAutoDisableTime(bodies[0], 0);
   dBodySetAutoDisableSteps(bodies[0], (int)lround(0.05 / h));
-  dBodySetAutoDisableAverageSamplesCount(bodies[0], (unsigned)lround(0.01 / h));
+  dJointAttach(dJointCreateNull(world, 0), bodies[0], 0); /* without a joint none is put to sleep */
+}
+
+static void sleeper(void) {
+  tired();
+  dBodySetAutoDisableAverageSamplesCount(bodies[0], samples());
+}
+
+/* Its samples are those of the world that it is made in. */
+static void born_sleeper(void) {
+  dWorldSetAutoDisableAverageSamplesCount(world, samples());
+  tired();
 }
 
 static dJointID elbow;
@@ -170,6 +230,16 @@ static void arm(void) {
   links(1);
   elbow = dBodyGetJoint(bodies[0], 0);
   control = hold_the_arm;
+}
+
+static dJointFeedback felt;
+static void push_as_felt(void) { dBodyAddForce(bodies[0], 0, 0, -0.2 * felt.f1[2]); }
+
+/* The same link, pushed by a part of what its hinge was felt to do in the step before. */
+static void feeling(void) {
+  links(1);
+  dJointSetFeedback(dBodyGetJoint(bodies[0], 0), &felt);
+  control = push_as_felt;
 }
 
 static void near(void* data, dGeomID one, dGeomID other) {
@@ -208,6 +278,11 @@ static const struct {
     {"soft_contact", soft_contact, 1},
     {"damped", damped, 0},
     {"sleeper", sleeper, 0},
+    {"born_sleeper", born_sleeper, 0},
+    {"soft_weld", soft_weld, 0},
+    {"suspension", suspension, 0},
+    {"crane", crane, 0},
+    {"feeling", feeling, 0},
 };
 
 static void write_poses(FILE* poses) {

@@ -43,6 +43,7 @@ double largest_distance(const std::vector<Pose>& a, const std::vector<Pose>& b) 
   double largest = a.size() == b.size() && !a.empty() ? 0 : HUGE_VAL;
   for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
     for (std::size_t k = 0; k < 3; ++k) largest = std::max(largest, std::fabs(a[i].position[k] - b[i].position[k]));
+    for (std::size_t k = 0; k < 4; ++k) largest = std::max(largest, std::fabs(a[i].quaternion[k] - b[i].quaternion[k]));
   }
   return largest;
 }
@@ -78,7 +79,8 @@ void parts_are_steps() {
 // Their ERP, CFM and damping are made from a spring, a damper and a drag at the step of the program. What a conversion
 // rounds by is 1e-16 of 1e-3 to 1 m; held as numbers they are off by 2 cm and more.
 void springs_are_held() {
-  for (const char* scenario : {"spring", "soft_stop", "soft_contact", "damped", "sleeper"}) {
+  for (const char* scenario :
+       {"spring", "soft_weld", "suspension", "soft_stop", "soft_contact", "damped", "sleeper", "born_sleeper"}) {
     const std::vector<Pose> halves = every_second(run("", scenario, 5e-4), 1);
     const std::string twice = loaded + "ODEVAL_AUDIT_REFINE=2 ";
     CHECK_BETWEEN(largest_distance(halves, run(twice, scenario, 1e-3)), 0, 1e-12);
@@ -91,6 +93,20 @@ void forces_are_held() {
   const std::vector<Pose> halves = every_second(run("", "arm", 5e-4), 1);
   const std::vector<Pose> parts = run(loaded + "ODEVAL_AUDIT_REFINE=2", "arm", 1e-3);
   CHECK_BETWEEN(largest_distance(halves, parts), 1e-5, 1e-3);
+}
+
+// What a joint did is told as the mean over the parts: were it the sum, the link would be elsewhere by decimetres.
+void feedback_is_the_mean() {
+  const std::vector<Pose> halves = every_second(run("", "feeling", 5e-4), 1);
+  const std::vector<Pose> parts = run(loaded + "ODEVAL_AUDIT_REFINE=2", "feeling", 1e-3);
+  CHECK_BETWEEN(largest_distance(halves, parts), 1e-6, 1e-2);
+}
+
+// A ball joint has its ERP from the world in which it was made: what is tried is in it, whatever the program says.
+void joints_are_made_with_what_is_tried() {
+  const std::vector<Pose> own = run("", "spring", 1e-3);
+  CHECK(same_bits(own, run(loaded + "ODEVAL_AUDIT_SET=erp=0.047619047619047616", "spring", 1e-3)));  // 1/21, its own
+  CHECK_BETWEEN(largest_distance(own, run(loaded + "ODEVAL_AUDIT_SET=erp=0.5", "spring", 1e-3)), 0.02, 1);
 }
 
 // A contact that stays where the ball has left it is another motion, if not by much.
@@ -107,6 +123,8 @@ int main() {
   parts_are_steps();
   springs_are_held();
   forces_are_held();
+  feedback_is_the_mean();
+  joints_are_made_with_what_is_tried();
   contacts_are_made_anew();
   return verdict();
 }

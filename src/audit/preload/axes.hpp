@@ -10,7 +10,7 @@ struct Axis {
   dJointType type;
   bool linear;  // else it turns
   void (*axis)(dJointID, dVector3);
-  void (*anchor)(dJointID, dVector3);  // null: the torque is all the axis' own
+  void (*anchor)(dJointID, dVector3);  // null: linear
   dReal (*place)(dJointID);            // null: it has no stop
   dReal (*parameter)(dJointID, int);
   int group;  // of parameters

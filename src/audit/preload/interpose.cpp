@@ -18,6 +18,13 @@ dJointID followed(dWorldID world, dJointID joint, dJointType type, dJointGroupID
   return joint;
 }
 
+/// ODE gives a body the world's count, by a call of its own that comes here or does not: so it is set once more.
+void take_samples_of_world(dWorldID world, dBodyID body) {
+  const auto count = static_cast<unsigned>(dWorldGetAutoDisableAverageSamplesCount(world));
+  const unsigned of_parts = Session::get().samples(count);
+  if (of_parts != count) ODEVAL_OWN(dBodySetAutoDisableAverageSamplesCount)(body, of_parts);
+}
+
 void forget_geom(dGeomID geom) {
   Session& session = Session::get();
   if (session.follows()) session.collisions().forget(geom);
@@ -27,6 +34,7 @@ void forget_geom(dGeomID geom) {
 
 #define ODEVAL_JOINT(kind)                                                                         \
   dJointID ODEVAL_BEFORE(dJointCreate##kind)(dWorldID world, dJointGroupID group) {                \
+    Session::get().set_what_is_tried(world);                                                       \
     return followed(world, ODEVAL_OWN(dJointCreate##kind)(world, group), dJointType##kind, group); \
   }
 
@@ -77,6 +85,7 @@ void ODEVAL_BEFORE(dJointGroupDestroy)(dJointGroupID group) {
 
 dBodyID ODEVAL_BEFORE(dBodyCreate)(dWorldID world) {
   dBodyID body = ODEVAL_OWN(dBodyCreate)(world);
+  take_samples_of_world(world, body);
   follow<dWorldID, dBodyID>(&Worlds::add, world, body);
   return body;
 }
@@ -136,12 +145,9 @@ int ODEVAL_BEFORE(dBodyGetAutoDisableAverageSamplesCount)(dBodyID body) {
   return Session::get().program_samples(ODEVAL_OWN(dBodyGetAutoDisableAverageSamplesCount)(body));
 }
 
-void ODEVAL_BEFORE(dWorldSetAutoDisableAverageSamplesCount)(dWorldID world, unsigned count) {
-  ODEVAL_OWN(dWorldSetAutoDisableAverageSamplesCount)(world, Session::get().samples(count));
-}
-
-int ODEVAL_BEFORE(dWorldGetAutoDisableAverageSamplesCount)(dWorldID world) {
-  return Session::get().program_samples(ODEVAL_OWN(dWorldGetAutoDisableAverageSamplesCount)(world));
+void ODEVAL_BEFORE(dBodySetAutoDisableDefaults)(dBodyID body) {
+  ODEVAL_OWN(dBodySetAutoDisableDefaults)(body);
+  take_samples_of_world(dBodyGetWorld(body), body);
 }
 
 // Of odeval_name.h.

@@ -51,6 +51,33 @@ void keep_velocities(Body& body) {
   body.moves = dBodyIsKinematic(body.id) == 0;
 }
 
+/// Where the joint's motors and stops act in the step: with it they turn.
+void keep_drives(Joint& joint) {
+  joint.drives.clear();
+  for (const Axis& row : joint.axes) {
+    const auto parameter = [&](int which) { return row.parameter(joint.id, row.group * dParamGroup + which); };
+    Drive drive{&row, parameter(dParamFMax), parameter(dParamLoStop), parameter(dParamHiStop)};
+    if (!(drive.most > 0) && drive.low == -dInfinity && drive.high == dInfinity) continue;
+    dBodyID first = dJointGetBody(joint.id, 0);
+    dBodyID second = dJointGetBody(joint.id, 1);
+    if (first == nullptr) std::swap(first, second);
+    if (first == nullptr) continue;
+    row.axis(joint.id, drive.axis.data());
+    dVector3 arm{};
+    if (!row.linear) {
+      row.anchor(joint.id, arm);
+      for (int i = 0; i < 3; ++i) arm[i] -= dBodyGetPosition(first)[i];
+    } else if (second != nullptr) {
+      for (int i = 0; i < 3; ++i) arm[i] = (dBodyGetPosition(second)[i] - dBodyGetPosition(first)[i]) / 2;
+    }
+    // Of a force f at the arm, the torque about the axis is (arm x f) axis = f (axis x arm).
+    const dReal* a = row.linear ? arm : drive.axis.data();
+    const dReal* b = row.linear ? drive.axis.data() : arm;
+    dCalcVectorCross3(drive.lever.data(), a, b);
+    joint.drives.push_back(drive);
+  }
+}
+
 /// Work of the added forces, and the mean velocities; what damping took.
 void take_body(World& world, Body& body, dReal h) {
   if (!body.moves) return;
@@ -112,27 +139,26 @@ struct Ledger::Acting {
   }
 
   /// What acts on the first body along the axis, and how fast it goes there from the second, in the mean.
-  double force_along(const Axis& row, dJointID joint, const dReal* axis) const {
-    if (row.linear) return dot(forces->f1, axis);
-    if (row.anchor == nullptr) return dot(forces->t1, axis);
-    dVector3 arm{};
-    row.anchor(joint, arm);
-    for (int i = 0; i < 3; ++i) arm[i] -= dBodyGetPosition(id)[i];
-    dVector3 of_force{};
-    dCalcVectorCross3(of_force, arm, forces->f1);
-    return dot(forces->t1, axis) - dot(of_force, axis);
+  double force_along(const Drive& drive) const {
+    const dReal* axis = drive.axis.data();
+    return drive.row->linear ? dot(forces->f1, axis) : dot(forces->t1, axis) - dot(forces->f1, drive.lever.data());
   }
-  double rate_along(const Axis& row, const dReal* axis) const {
-    const auto of = [&](const Body* body) {
-      return body == nullptr ? 0.0 : dot((row.linear ? body->velocity : body->spin).data(), axis);
+  double rate_along(const Drive& drive) const {
+    const auto along = [](const Body* body, const Triple Body::*what, const Triple& axis) {
+      return body == nullptr ? 0.0 : dot((body->*what).data(), axis.data());
     };
-    return of(first) - of(second);
+    if (!drive.row->linear) return along(first, &Body::spin, drive.axis) - along(second, &Body::spin, drive.axis);
+    return along(first, &Body::velocity, drive.axis) - along(second, &Body::velocity, drive.axis) +
+           along(first, &Body::spin, drive.lever) + along(second, &Body::spin, drive.lever);
   }
 };
 
 Ledger::Step::Step(Ledger& ledger, World& world) : ledger_(ledger), world_(world) {
   for (Body& body : world_.bodies) keep_velocities(body);
-  for (Joint& joint : world_.joints) ask(joint.id, joint.feedback);
+  for (Joint& joint : world_.joints) {
+    ask(joint.id, joint.feedback);
+    keep_drives(joint);
+  }
   for (Touch& touch : world_.touches) ask(touch.id, touch.feedback);
 }
 
@@ -188,22 +214,16 @@ void Ledger::take(World& world, Joint& joint, dReal h) {
   const double work = acting.work(h);
   std::uint32_t rows = rows_of(joint.type);
   double by_motors = joint.type == dJointTypeAMotor || joint.type == dJointTypeLMotor ? work : 0;
-  for (const Axis& row : joint.axes) {
-    const auto parameter = [&](int which) { return row.parameter(joint.id, row.group * dParamGroup + which); };
-    const double most = parameter(dParamFMax);
-    const double low = parameter(dParamLoStop);
-    const double high = parameter(dParamHiStop);
-    if (!(most > 0) && low == -dInfinity && high == dInfinity) continue;
-    if (most > 0) ++rows;
-    dVector3 axis{};
-    row.axis(joint.id, axis);
-    const double force = acting.force_along(row, joint.id, axis);
-    by_motors += h * force * acting.rate_along(row, axis);
+  for (const Drive& drive : joint.drives) {
+    if (drive.most > 0) ++rows;
+    const double force = acting.force_along(drive);
+    by_motors += h * force * acting.rate_along(drive);
     if (part == nullptr) continue;
     constexpr double rounding = 1e-6;  // of sums of forces with lever arms
-    if (most > 0 && std::fabs(force) >= most * (1 - rounding)) ++part->steps_at_limit;
-    const double place = row.place != nullptr ? row.place(joint.id) : 0;
-    if (row.place != nullptr && (place <= low || place >= high)) ++part->steps_at_stop;
+    if (drive.most > 0 && std::fabs(force) >= drive.most * (1 - rounding)) ++part->steps_at_limit;
+    if (drive.row->place == nullptr) continue;
+    const double place = drive.row->place(joint.id);
+    if (place <= drive.low || place >= drive.high) ++part->steps_at_stop;
   }
   const auto [first, second] = acting.moving(world);
   rows_.add(first, second, rows);

@@ -59,6 +59,11 @@ class Session {
   /// A step by the accurate step, with no bits of ODE's in it. Ends the program where it can not.
   static int accurately(dWorldID world, dReal h);
 
+  /// Joints take the world's ERP and CFM when they are made.
+  void set_what_is_tried(dWorldID world) {
+    if (follows_) overrides_.apply(worlds_.of(world));
+  }
+
   void remark(Remark what) { remarks_ |= what; }
 
   void leave_to_parent() { record_.leave_to_parent(); }

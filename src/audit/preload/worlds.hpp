@@ -35,6 +35,16 @@ struct Body {
   int steps_to_rest = 0;
 };
 
+/// An axis of a joint with a motor or stops, as it was before the step.
+struct Drive {
+  const Axis* row;
+  dReal most;  // of the motor's force
+  dReal low;   // stops
+  dReal high;
+  Triple axis{};
+  Triple lever{};  // of a hinge, what the torque of a force about it is the product with; of a slider, of a spin with
+};
+
 struct Joint {
   dJointID id;
   std::uint32_t number;  // in order of creation, of all worlds
@@ -45,6 +55,7 @@ struct Joint {
   dJointFeedback feedback{};            // sum over the parts of a step
   std::vector<Changed> changed{};       // parameters, while they are
   std::span<const Axis> axes{};         // of its motors and stops
+  std::vector<Drive> drives{};          // of those, the ones that it has
   PartSample* part = nullptr;           // of the ledger
   std::array<std::size_t, 2> places{};  // of its bodies in the world's, if they still are there
 };
