@@ -18,13 +18,6 @@ dJointID followed(dWorldID world, dJointID joint, dJointType type, dJointGroupID
   return joint;
 }
 
-/// ODE gives a body the world's count, by a call of its own that comes here or does not: so it is set once more.
-void take_samples_of_world(dWorldID world, dBodyID body) {
-  const auto count = static_cast<unsigned>(dWorldGetAutoDisableAverageSamplesCount(world));
-  const unsigned of_parts = Session::get().samples(count);
-  if (of_parts != count) ODEVAL_OWN(dBodySetAutoDisableAverageSamplesCount)(body, of_parts);
-}
-
 void forget_geom(dGeomID geom) {
   Session& session = Session::get();
   if (session.follows()) session.collisions().forget(geom);
@@ -85,7 +78,7 @@ void ODEVAL_BEFORE(dJointGroupDestroy)(dJointGroupID group) {
 
 dBodyID ODEVAL_BEFORE(dBodyCreate)(dWorldID world) {
   dBodyID body = ODEVAL_OWN(dBodyCreate)(world);
-  take_samples_of_world(world, body);
+  Session::get().give_samples(body);
   follow<dWorldID, dBodyID>(&Worlds::add, world, body);
   return body;
 }
@@ -147,7 +140,7 @@ int ODEVAL_BEFORE(dBodyGetAutoDisableAverageSamplesCount)(dBodyID body) {
 
 void ODEVAL_BEFORE(dBodySetAutoDisableDefaults)(dBodyID body) {
   ODEVAL_OWN(dBodySetAutoDisableDefaults)(body);
-  take_samples_of_world(dBodyGetWorld(body), body);
+  Session::get().give_samples(body);
 }
 
 // Of odeval_name.h.

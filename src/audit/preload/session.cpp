@@ -143,6 +143,11 @@ void Session::name(dJointID joint, const char* name) {
   if (const Joint* its = worlds_.find(joint)) record_.name("joint", its->number, name);
 }
 
+void Session::give_samples(dBodyID body) const {
+  const auto count = static_cast<unsigned>(dWorldGetAutoDisableAverageSamplesCount(dBodyGetWorld(body)));
+  if (samples(count) != count) ODEVAL_OWN(dBodySetAutoDisableAverageSamplesCount)(body, samples(count));
+}
+
 const dContact& Session::softened(dWorldID world, const dContact& contact, dContact& place) const {
   if (settings_.refinement == 1 || !settings_.hold_springs) return contact;
   place = contact;

@@ -56,6 +56,9 @@ class Session {
     return of_parts > 1 ? of_parts / static_cast<int>(parts_held()) : of_parts;
   }
 
+  /// ODE gives a body the world's, by a call of its own that comes here or does not: so they are given once more.
+  void give_samples(dBodyID body) const;
+
   /// A step by the accurate step, with no bits of ODE's in it. Ends the program where it can not.
   static int accurately(dWorldID world, dReal h);
 
