@@ -33,6 +33,7 @@ constexpr int most_shortenings = 5;        // of a way out, which costs nearly a
 constexpr double almost = 0.95;
 constexpr int most_splits = 4;   // of a step where something comes to stick
 constexpr double moment = 1e-4;  // of a step, at which what sticks comes to slip
+constexpr double miss = 0.01;    // of the energy that what rests would have gathered in a step without contacts
 constexpr int most_finds = 3;    // of footholds in a step: what comes to rest more often stands nowhere
 
 bool same_geoms(const Contact& one, const Contact& other) { return one.geoms == other.geoms; }
@@ -79,7 +80,7 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
   touches_.clear();
   stopped_.clear();
   struck_.clear();
-  all_stopped_ = slipped_ = false;
+  all_stopped_ = slipped_ = renewed_ = false;
   finds_ = 0;
   first_ = fresh;
   step_ = h;
@@ -99,6 +100,7 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
     throw;
   }
   if (crowded_ > 0) ++crowded_steps_;
+  if (crowded_ > 0 && !renewed_) --crowded_;
   quiet_ = touches_.empty() && crowded_ == 0 ? std::min(quiet_ + 1, calm_steps) : 0;
   std::swap(state, there_);
 }
@@ -124,12 +126,14 @@ void Flight::fly(double h) {
   for (int impacts = 1;; ++impacts) {
     find_footholds(t, just_struck);
     just_struck = false;
+    push_on(t);
     move(t, h - t, there_);
     if (!collider_.works(motion_.mechanism())) break;
-    look(there_);
+    arrive(there_, h - t);
     if (deepest(there_) == nullptr) {
       double passed = h - t;
       if (slips(t, passed)) {
+        remember(there_, passed);
         t += passed;
         std::swap(here_, there_);
         continue;
@@ -148,7 +152,7 @@ void Flight::fly(double h) {
         resting_ = resting;
         taken_ = taken;
         move(t, part, there_);
-        look(there_);
+        arrive(there_, part);
         hold(there_, part);
         t += part;
         std::swap(here_, there_);
@@ -170,18 +174,19 @@ void Flight::fly(double h) {
       there_ = let_go;
       resting_ = resting;
       taken_ = taken;
-      look(there_);
+      arrive(there_, h - t);
     }
     double passed = locate(t, h - t);
     const bool slipped = slips(t, passed);
+    remember(there_, passed);
     t += passed;
     if (slipped) {
       std::swap(here_, there_);
       continue;
     }
-    struck += contacts_.size() + here_.size();
+    struck += struck_at_once();
     const bool first_in_a_while = touches_.empty() && quiet_ >= calm_steps;
-    if (struck > crowd && !first_in_a_while) crowded_ = calm_steps;
+    if (struck > crowd && !first_in_a_while) crowd_on();
     impact(t, passed <= 0, impacts >= options_.most_impacts);
     just_struck = true;
     if (t < h) continue;
@@ -306,26 +311,14 @@ void Flight::drive(const State& from, double after, std::span<const std::size_t>
 
 /// Bodies that what rests acts on at the end of a step, directly or through joints and others that rest.
 std::vector<char> Flight::pushed_late() const {
-  const Mechanism& mechanism = motion_.mechanism();
-  std::vector<char> pushed(mechanism.bodies.size(), 0);
-  const auto moves = [&](std::size_t body) { return body != world_body && mechanism.bodies[body].inverse_mass > 0; };
+  std::vector<char> pushed(here_.size(), 0);
   for (const Contact& contact : resting_) {
     if (held_fast(contact)) continue;
     for (const std::size_t body : {contact.a, contact.b}) {
-      if (moves(body)) pushed[body] = 1;
+      if (body != world_body && motion_.mechanism().bodies[body].inverse_mass > 0) pushed[body] = 1;
     }
   }
-  bool more = std::ranges::find(pushed, 1) != pushed.end();
-  const auto pass_on = [&](const auto& pair) {
-    if (!moves(pair.a) || !moves(pair.b) || pushed[pair.a] == pushed[pair.b]) return;
-    pushed[pair.a] = pushed[pair.b] = 1;
-    more = true;
-  };
-  while (std::exchange(more, false)) {
-    for (const Joint& joint : mechanism.joints) pass_on(joint);
-    for (const Contact& contact : resting_) pass_on(contact);
-  }
-  return pushed;
+  return reached(std::move(pushed));
 }
 
 void Flight::go(State& from, double after, double h, State& to) {
@@ -365,6 +358,7 @@ const Contact* Flight::nearest_resting(const Contact& contact) const {
   const Contact* nearest = nullptr;
   for (const Contact& other : resting_) {
     if (!same_geoms(contact, other)) continue;
+    if (contact.is_stop && contact.normal.dot(other.normal) < 0) continue;  // the other end of its way
     if (nearest == nullptr || (other.point - contact.point).norm() < (nearest->point - contact.point).norm()) {
       nearest = &other;
     }
@@ -409,7 +403,7 @@ double Flight::locate(double after, double longest) {
   for (int round = 0; round < most_bisections && touch.depth > touch_depth; ++round) {
     const double closing = -normal_speed(touch, there_);
     const double newton = closing > 0 && fell_short == 0 ? touching - (touch.depth - touch_depth / 2) / closing : free;
-    if (newton <= 0 && round == 0) {  // it may have begun in contact
+    if ((newton <= 0 && round == 0) || (free <= 0 && round == 2)) {  // it may have begun in contact
       look(here_);
       const Contact* const at_once = deepest(here_);
       if (at_once != nullptr && at_once->depth > touch_depth) {
@@ -435,7 +429,7 @@ double Flight::locate(double after, double longest) {
     touch = *found;
     std::swap(there_, trial_);
   }
-  look(there_);
+  arrive(there_, touching);
   motion_.project(there_);  // the matrix of this pose, for the impulses
   return let_go_ = touching;
 }
@@ -548,7 +542,7 @@ std::vector<Twist> Flight::follow(const State& free, const State& held, double h
 /// Velocities less what forces have changed of them in a time h, to the first order, at the pose of the last
 /// projection.
 State Flight::unforced(Motion& motion, const State& state, double h) {
-  std::vector<Wrench> impulses = forces_->now;
+  std::vector<Wrench> impulses = forces_->all(forces_->since + h, state);
   for (Wrench& impulse : impulses) impulse = {h * impulse.force, h * impulse.torque};
   std::vector<Twist> change;
   motion.respond(impulses, change);
@@ -604,8 +598,8 @@ void Flight::settle_crowd(State& state, double h) {
     }
   }
   // Rest takes no deeper overlaps.
-  crowded_ = bounced || deepest_of(contacts_) > options_.start_gap ? calm_steps : crowded_ - 1;
-  recall();
+  if (bounced || deepest_of(contacts_) > options_.start_gap) crowd_on();
+  recall(state, 0);
   const Impact impact(motion_, contacts_, state, motion_.late(h));
   const State free = state;
   Eigen::VectorXd impulses = impact.strike(state, options_.impact_order, options_.rest_speed);
@@ -649,6 +643,16 @@ double Flight::gained(const State& from, const State& to) const {
   return sum;
 }
 
+/// With poses moved on, joints not kept.
+double Flight::gained(const State& from, const State& to, std::span<const Twist> by) const {
+  State moved = to;
+  for (std::size_t i = 0; i < by.size(); ++i) {
+    moved[i].pose.position += by[i].linear;
+    turn_by(by[i].angular, moved[i].pose.turn);
+  }
+  return gained(from, moved);
+}
+
 /// A bounce with less energy, down to none: of velocities between those without restitution and those with.
 State Flight::slowed(const State& still, const State& struck, double by) const {
   const double most = gained(still, struck);  // s of a bounce has a s^2 + b s
@@ -679,16 +683,6 @@ bool Flight::move_out(Motion& motion, const State& free, std::span<const Twist> 
   }
   state = before;
   return false;
-}
-
-/// Contacts at hand that rested before begin with what they pushed then.
-void Flight::recall() {
-  for (Contact& contact : contacts_) {
-    const Contact* const before = nearest_resting(contact);
-    if (before == nullptr) continue;
-    contact.push = before->push;
-    contact.turn = before->turn;
-  }
 }
 
 /// Of the impulses at the contacts at hand, which stood for forces over a time h, and of those of stops and motors.
@@ -728,11 +722,13 @@ bool Flight::hold(State& state, double h) {
   // The matrix of this pose, for the impulses.
   if (!contacts_.empty() || !motors.empty()) motion.project(state);
   std::vector<Contact> rest = contacts_;
+  double missed = 0;  // J
   for (int push = 0; push < most_pushes && (!contacts_.empty() || !motors.empty()); ++push) {
     if (push > 0 && deepest_of(contacts_) <= 2 * rest_depth) break;
     const bool first = push == 0 && h > 0;
-    if (first) recall();
-    const bool follows = first && (!motors.empty() || std::ranges::any_of(contacts_, &Contact::rubs));
+    if (first) recall(state, h);
+    const bool pushed = !forces_->pushes.empty();
+    const bool follows = first && (pushed || !motors.empty() || std::ranges::any_of(contacts_, &Contact::rubs));
     const Impact impact(motion, contacts_, state, std::exchange(motors, {}));
     const State free = state;
     bounce_elastic(motion, impact, contacts_, h, state);
@@ -740,18 +736,31 @@ bool Flight::hold(State& state, double h) {
     const double work = impact.work(impulses, here_, state);
     if (first) tell_joints(impact, impulses, state, h);
     std::vector<Twist> by;
+    const double done = first ? work_of_pushes(free) : 0;
+    if (first) {
+      note(impact, impulses, h);
+      rest = contacts_;
+    }
     if (follows) {
-      for (std::size_t i = 0; i < rest.size(); ++i) impact.note(impulses, i, rest[i]);
       sticks_ = impact.sticks_at(impulses, here_, state, h);
       by = follow(free, state, h);
     }
     const auto way = impact.way_out(rest_depth, by, follows ? impulses : Eigen::VectorXd());
-    const bool moved = move_out(motion, free, way, taken_ + work, state);
-    taken_ -= gained(free, state) - work;
+    // What undoes what they pushed too little or too much in the flight costs what that gave, and how far it misses.
+    double most = taken_ + work;
+    if (first) most = std::max(most, gained(free, state, by) + done);
+    if (first && pushed) missed = miss * impact.energy_of(impulses);
+    most = std::max(most, missed);
+    const bool moved = move_out(motion, free, way, most - done, state);
+    taken_ -= gained(free, state) + done - work;
     if (!moved) break;  // between jaws of joints, or at the end of what can be lifted
     look(state);
     at_rest();
   }
+  std::erase_if(rest, [this](const Contact& contact) {
+    const auto found = [&](const Contact& other) { return !other.missed && same_geoms(contact, other); };
+    return contact.missed && std::ranges::none_of(contacts_, found);
+  });
   const double overlap = deepest_of(contacts_);
   if (overlap > options_.start_gap) {
     if (first_) look(here_);
@@ -759,7 +768,7 @@ bool Flight::hold(State& state, double h) {
       refuse("an overlap of " + shown(overlap) + " m can not be pushed out; at most " + shown(options_.start_gap) +
              " are left to later steps");
     }
-    crowded_ = calm_steps;  // what comes so near in a run, between jaws of joints, is left to the crowd's scheme
+    crowd_on();  // what comes so near in a run, between jaws of joints, is left to the crowd's scheme
   }
   rest.insert(rest.end(), fast.begin(), fast.end());
   resting_ = std::move(rest);

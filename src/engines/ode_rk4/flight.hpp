@@ -54,9 +54,22 @@ class Flight {
   void settle(State& state, double most);
   [[noreturn]] void refuse_apart(const JointError& error, const std::string& when) const;
   void look(const State& state) { collider_.look(motion_.mechanism(), state, contacts_); }
+  std::vector<char> reached(std::vector<char> bodies) const;
+  std::vector<char> driven() const;
+  std::size_t struck_at_once() const;
+  void crowd_on() {
+    renewed_ = true;
+    crowded_ = calm_steps;
+  }
+  void push_on(double after);
+  static void place(Contact& contact, const State& at);
+  void arrive(const State& at, double passed);
+  void remember(const State& at, double passed);
+  double work_of_pushes(const State& at) const;
   bool stopped(const Contact& contact) const;
   const Contact* nearest_resting(const Contact& contact) const;
-  void recall();
+  void recall(const State& at, double h);
+  void note(const Impact& impact, const Eigen::VectorXd& impulses, double h);
   bool rests(const Contact& contact, const State& at) const;
   const Contact* deepest(const State& at) const;
   double locate(double after, double longest);
@@ -72,6 +85,7 @@ class Flight {
   void settle_crowd(State& state, double h);
   State unforced(Motion& motion, const State& state, double h);
   double gained(const State& from, const State& to) const;
+  double gained(const State& from, const State& to, std::span<const Twist> by) const;
   State slowed(const State& still, const State& struck, double by) const;
   bool move_out(Motion& motion, const State& free, std::span<const Twist> way, double most, State& state);
   void bounce_elastic(Motion& motion, const Impact& impact, std::vector<Contact>& contacts, double h, State& state);
@@ -84,6 +98,7 @@ class Flight {
   State there_, trial_;            // and where it leads
   std::vector<Contact> contacts_;  // of the state last looked at
   std::vector<Contact> resting_;   // at the end of the last step, and what came to rest since
+  std::vector<Contact> pushing_;   // of those, since `here_`, as they were there
   std::vector<Contact> stopped_;   // their geoms do not bounce any more in this step
   std::vector<Contact> struck_;    // at `here_`
   bool all_stopped_ = false;
@@ -93,6 +108,7 @@ class Flight {
   double step_ = 0;                     // s, of the user's
   double let_go_ = 0;                   // s, since `here_`, at the touch located last
   Sticks sticks_;                       // in the time held last
+  bool renewed_ = false;                // the crowd, in this step
   int crowded_ = 0;                     // steps that are left to the crowd's scheme if nothing bounces
   double taken_ = 0;                    // J, by contacts so far, less what ways out of overlaps gave
   int quiet_ = calm_steps;              // steps since the last impact, or that many

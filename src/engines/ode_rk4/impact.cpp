@@ -37,13 +37,17 @@ Wrench push(const Contact& contact, const Vector3d& arm, double size) {
 
 }  // namespace
 
-Vector3d slip(const Contact& contact, const State& found_at, const State& velocities) {
+Vector3d relative_velocity(const Contact& contact, const State& found_at, const State& velocities) {
   const auto of = [&](std::size_t body) -> Vector3d {
     if (body == world_body) return Vector3d::Zero();
     const Twist& twist = velocities[body].twist;
     return twist.linear + twist.angular.cross(contact.point - found_at[body].pose.position);
   };
-  const Vector3d apart = of(contact.a) - of(contact.b);
+  return of(contact.a) - of(contact.b);
+}
+
+Vector3d slip(const Contact& contact, const State& found_at, const State& velocities) {
+  const Vector3d apart = relative_velocity(contact, found_at, velocities);
   return apart - contact.normal * contact.normal.dot(apart);
 }
 
@@ -266,8 +270,13 @@ void Impact::note(const Eigen::VectorXd& impulses, std::size_t number, Contact& 
 }
 
 Eigen::VectorXd Impact::stop(State& state) const {
-  const Eigen::VectorXd p = hold(speeds(state), rubbing_);
-  strike_by(p, state);
+  Eigen::VectorXd felt = Eigen::VectorXd::Zero(response_.rows());
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const Contact& row = rows_[i];
+    felt[static_cast<Eigen::Index>(i)] = (row.turns ? row.felt_turn : row.felt).dot(row.normal);
+  }
+  const Eigen::VectorXd p = hold(speeds(state) - response_ * felt, rubbing_);
+  strike_by(p - felt, state);
   return p;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 // What contacts do to velocities and poses: complementarity, solved for the whole mechanism.
+#include <array>
 #include <span>
 #include <utility>
 #include <vector>
@@ -24,6 +25,15 @@ struct Contact {
   // N s and N m s, of it the last time it was held: where to begin
   Vector3d push = Vector3d::Zero(), turn = Vector3d::Zero();
   bool is_stop = false;
+  // What it pushed on average while it was held last, N and N m; its arms on a and b, from their centres to the point,
+  // and how they changed, m/s; how its normal turned, rad/s.
+  Vector3d force = Vector3d::Zero(), torque = Vector3d::Zero(), spin = Vector3d::Zero();
+  std::array<Vector3d, 2> arms{Vector3d::Zero(), Vector3d::Zero()}, drifts = arms;
+  bool placed = false;  // the arms are known
+  bool steady = false;  // all of these are
+  // N s and N m s: what of that acted on the way here.
+  Vector3d felt = Vector3d::Zero(), felt_turn = Vector3d::Zero();
+  bool missed = false;  // it is where it should be, but collision detection has not found it there
 
   bool rubs() const { return friction > 0 || rho > 0 || rhoN > 0; }
 };
@@ -36,7 +46,9 @@ double normal_speed(const Contact& contact, const State& state);
 /// The same, for velocities of another time.
 double normal_speed(const Contact& contact, const State& found_at, const State& velocities);
 
-/// Velocity of a against b along the contact's plane, m/s.
+/// Velocity of a against b at a contact's point, m/s.
+Vector3d relative_velocity(const Contact& contact, const State& found_at, const State& velocities);
+/// The same along the contact's plane.
 Vector3d slip(const Contact& contact, const State& found_at, const State& velocities);
 
 /// What slid and came to stick.
@@ -56,13 +68,16 @@ class Impact {
   /// in the cones of these impulses, and what it makes to close is stopped. Where nothing bounces all is held at once.
   /// Returns impulses. All bodies feel the impulses through the joints.
   Eigen::VectorXd strike(State& state, ImpactOrder order, double rest_speed) const;
-  /// Without restitution: impulses, friction in its cone, and of motors. Returns them.
+  /// Without restitution: impulses, friction in its cone, and of motors, what contacts did on the way here included.
+  /// Returns them.
   Eigen::VectorXd stop(State& state) const;
   bool has_motors() const { return !motors_.empty(); }
   /// Of motors, J, by impulses of `stop` that acted evenly from one state to another.
   double work(const Eigen::VectorXd& impulses, const State& before, const State& after) const;
   /// What motors gave, as contacts whose first geom is the joint's id, with what they push; notes it for the next time.
   std::vector<Contact> note_motors(const Eigen::VectorXd& impulses) const;
+  /// Of motion that impulses alone would make of rest, J.
+  double energy_of(const Eigen::VectorXd& impulses) const { return impulses.dot(response_ * impulses) / 2; }
   /// Writes to a contact what impulses it got.
   void note(const Eigen::VectorXd& impulses, std::size_t number, Contact& contact) const;
   /// What `stop`, of forces over a time h, brought to stick first, from the velocities that it had before and that

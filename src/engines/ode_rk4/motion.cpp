@@ -23,6 +23,23 @@ std::vector<Eigen::Index> rows_of(const std::vector<Joint>& joints) {
 
 }  // namespace
 
+const std::vector<Wrench>& Forces::all(double t, const State& state) {
+  if (pushes.empty()) return now;
+  sum_ = now;
+  for (const Push& push : pushes) {
+    const double time = t - since;
+    const Vector3d point = push.point_after(time, state), force = push.force_after(time),
+                   torque = push.torque_after(time);
+    const auto add = [&](std::size_t body, double sign) {
+      if (body == world_body) return;
+      sum_[body] += {sign * force, sign * (torque + (point - state[body].pose.position).cross(force))};
+    };
+    add(push.a, 1);
+    add(push.b, -1);
+  }
+  return sum_;
+}
+
 Eigen::Vector4d turn_rate(const Vector3d& w, const Eigen::Vector4d& q) {
   const Vector3d v = q.tail<3>();
   Eigen::Vector4d rate;
@@ -273,8 +290,7 @@ JointErrors Motion::step(const State& from, Forces& forces, double h, State& to,
       stage.accelerations = driven_acceleration_;
       start_error = driven_error_;
     } else {
-      if (forces.renew) forces.renew(forces.start + formula_->stages[s].at * h, at, forces.now);
-      accelerate(at, forces.now, stage.accelerations);
+      accelerate(at, forces.at(forces.start + formula_->stages[s].at * h, at), stage.accelerations);
       if (s == 0) start_error = largest_error();
     }
     for (std::size_t i = 0; i < from.size(); ++i) {

@@ -36,11 +36,40 @@ Eigen::Vector4d turn_rate(const Vector3d& w, const Eigen::Vector4d& q);
 /// A turn by a rotation vector in the world, exact in its angle.
 void turn_by(const Vector3d& angle, Eigen::Vector4d& q);
 
+/// What a contact that rests is taken to do to its bodies, and the other way to the second: along what moves and turns
+/// with it.
+struct Push {
+  std::size_t a, b;  // one of them may be world_body
+  std::size_t with;  // of them: the point moves with its centre, and away from it
+  Vector3d arm, force, torque;
+  Vector3d drift, spin;  // m/s and rad/s: of the arm, and of the others
+
+  Vector3d point_after(double time, const State& state) const {
+    const Vector3d point = arm + time * drift;
+    return with == world_body ? point : Vector3d(state[with].pose.position + point);
+  }
+  Vector3d force_after(double time) const { return force + time * spin.cross(force); }
+  Vector3d torque_after(double time) const { return torque + time * spin.cross(torque); }
+};
+
 /// On every body, gravity included. `renew`, if any, is asked for them at the time and the state of each stage.
 struct Forces {
   std::vector<Wrench> now;
   std::function<void(double t, const State& state, std::vector<Wrench>& now)> renew;
-  double start = 0;  // t of the state that a step starts from
+  double start = 0;          // t of the state that a step starts from
+  std::vector<Push> pushes;  // that act besides
+  double since = 0;          // t at which they are as they stand there
+
+  /// With pushes, at a state, `t` into the step.
+  const std::vector<Wrench>& all(double t, const State& state);
+  /// The same, of forces renewed.
+  const std::vector<Wrench>& at(double t, const State& state) {
+    if (renew) renew(t, state, now);
+    return all(t, state);
+  }
+
+ private:
+  std::vector<Wrench> sum_;
 };
 
 /// The joint that is farthest apart.

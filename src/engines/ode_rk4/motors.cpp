@@ -19,8 +19,7 @@ void Motion::release() {
 }
 
 void Motion::feel(const State& state, Forces& forces, double t) {
-  if (forces.renew) forces.renew(t, state, forces.now);
-  accelerate(state, forces.now, acceleration_);
+  accelerate(state, forces.at(t, state), acceleration_);
 }
 
 double Motion::too_fast(const MotorPlace& place, const State& state) const {

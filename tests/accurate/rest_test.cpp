@@ -1,0 +1,88 @@
+// What rests pushes within the step: dampers and turning bodies feel no fall that is not there.
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "engines/ode_rk4/accurate_step.hpp"
+#include "tests/accurate/worlds.hpp"
+#include "tests/check.hpp"
+
+namespace {
+
+using namespace odeval::test;
+using odeval::AccurateStep;
+using odeval::AccurateStepOptions;
+using odeval::Bounce;
+
+constexpr double g = 9.81;
+constexpr double rest_depth = 1e-9;  // m: what rests lies that deep
+
+AccurateStepOptions rubbing(double friction) {
+  AccurateStepOptions options;
+  options.contact = [=](dGeomID, dGeomID) { return std::optional(Bounce{0, friction}); };
+  return options;
+}
+
+/// A wheel on the ground, and on its suspension a chassis that can only go up and down.
+struct QuarterCar {
+  static constexpr double mass = 50, k = 10000, d = 1000;
+
+  World world;
+  dBodyID chassis = world.box(mass, {1, 1, 0.2}, {0, 0, 1});
+  dBodyID wheel = world.sphere(5, 0.3, {0, 0, 0.3});
+
+  explicit QuarterCar(double h) {
+    dCreatePlane(world.space, 0, 0, 1, 0);
+    world.slider(chassis, nullptr, {0, 0, 1});
+    const dJointID joint = dJointCreateHinge2(world.id, nullptr);
+    dJointAttach(joint, chassis, wheel);
+    dJointSetHinge2Anchor(joint, 0, 0, 0.3);
+    const dReal steering[] = {0, 0, 1, 0}, axle[] = {0, 1, 0, 0};
+    dJointSetHinge2Axes(joint, steering, axle);
+    dJointSetHinge2Param(joint, dParamSuspensionERP, h * k / (h * k + d));
+    dJointSetHinge2Param(joint, dParamSuspensionCFM, 1 / (h * k + d));
+  }
+  double sag() const { return 1 - dBodyGetPosition(chassis)[2]; }
+};
+
+/// m x'' = m g - k x - d x' from rest.
+double sag_after(double t) {
+  constexpr double m = QuarterCar::mass, decay = QuarterCar::d / (2 * m), w = std::sqrt(QuarterCar::k / m);
+  const double turns = std::sqrt(w * w - decay * decay);
+  return m * g / QuarterCar::k *
+         (1 - std::exp(-decay * t) * (std::cos(turns * t) + decay / turns * std::sin(turns * t)));
+}
+
+void check_quarter_car(double friction) {
+  std::array<double, 2> errors{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double h = i == 0 ? 4e-3 : 2e-3;
+    QuarterCar car(h);
+    AccurateStep step(car.world.id, car.world.space, rubbing(friction));
+    for (double t = h; t < 1; t += h) {
+      step(h);
+      errors[i] = std::max(errors[i], std::fabs(car.sag() - sag_after(t)));
+    }
+  }
+  std::printf("quarter car, friction %g: sag off by %.2g m at h = 0.002, order %.2f\n", friction, errors[1],
+              order(errors[0], errors[1], 2));
+  CHECK_BETWEEN(errors[1], 0, 1e-3);
+  CHECK_BETWEEN(order(errors[0], errors[1], 2), 1.5, 3);
+  // What stands still is a fixed point of the step, whatever its size.
+  for (const double h : {5e-3, 1e-3}) {
+    QuarterCar car(h);
+    AccurateStep step(car.world.id, car.world.space, rubbing(friction));
+    for (double t = 0; t < 5; t += h) step(h);
+    CHECK_NEAR(car.sag(), QuarterCar::mass * g / QuarterCar::k, 1.1 * rest_depth);
+    CHECK_NEAR(dBodyGetLinearVel(car.chassis)[2], 0, 1e-12);
+    CHECK_EQUAL(step.crowded_steps(), 0u);
+  }
+}
+
+}  // namespace
+
+int main() {
+  check_quarter_car(0.8);
+  check_quarter_car(0);
+  return odeval::test::verdict();
+}
