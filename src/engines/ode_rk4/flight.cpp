@@ -371,6 +371,7 @@ const Contact* Flight::nearest_resting(const Contact& contact) const {
 bool Flight::rests(const Contact& contact, const State& at) const {
   if (stopped(contact)) return true;
   if (held_fast(contact) && !footholds_->stand_on(contact, at)) return false;
+  if (contact.followed) return true;
   const Contact* const nearest = nearest_resting(contact);
   if (nearest == nullptr) return false;
   Contact then = contact;

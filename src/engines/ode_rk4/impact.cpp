@@ -308,10 +308,16 @@ Sticks Impact::sticks_at(const Eigen::VectorXd& impulses, const State& before, c
     const std::size_t row = contacts_.size() + 2 * k;
     return Eigen::Vector2d(normal_speed(rows_[row], velocities), normal_speed(rows_[row + 1], velocities));
   };
+  const auto came_at = [&](const State& velocities, std::size_t k) {
+    const std::size_t row = contacts_.size() + 2 * k;
+    const Contact& contact = rows_[row];
+    if (!contact.steady || contact.turns) return speeds_of(velocities, k);
+    return Eigen::Vector2d(contact.normal.dot(contact.came), rows_[row + 1].normal.dot(contact.came));
+  };
   for (std::size_t k = 0; k < rubbing_.contact.size(); ++k) {
     State then = state;
     for (std::size_t i = 0; i < state.size(); ++i) then[i].twist = before[i].twist;
-    const Eigen::Vector2d came = speeds_of(then, k), left = speeds_of(state, k);
+    const Eigen::Vector2d came = came_at(then, k), left = speeds_of(state, k);
     const Eigen::Index row = normals() + static_cast<Eigen::Index>(2 * k);
     if (came.norm() <= sliding || left.norm() > came.norm() / 1000) continue;
     const double most = rubbing_.coefficient[k] * impulses[rubbing_.contact[k]];

@@ -29,8 +29,10 @@ struct Contact {
   // and how they changed, m/s; how its normal turned, rad/s.
   Vector3d force = Vector3d::Zero(), torque = Vector3d::Zero(), spin = Vector3d::Zero();
   std::array<Vector3d, 2> arms{Vector3d::Zero(), Vector3d::Zero()}, drifts = arms;
-  bool placed = false;  // the arms are known
-  bool steady = false;  // all of these are
+  bool placed = false;               // the arms are known
+  bool steady = false;               // all of these are
+  Vector3d came = Vector3d::Zero();  // m/s, a against b, at its point when the way here began, if it is steady
+  bool followed = false;             // it rested when the way here began
   // N s and N m s: what of that acted on the way here.
   Vector3d felt = Vector3d::Zero(), felt_turn = Vector3d::Zero();
   bool missed = false;  // it is where it should be, but collision detection has not found it there

@@ -112,6 +112,7 @@ void Flight::arrive(const State& at, double passed) {
       const double sign = same->a == now.a ? 1 : -1;
       same->felt = sign * now.felt;
       same->felt_turn = sign * now.felt_turn;
+      same->followed = normal_speed(pushing_[k], here_) >= -options_.rest_speed;
       continue;
     }
     now.normal = turned(now.normal, push.spin, passed);
@@ -121,7 +122,8 @@ void Flight::arrive(const State& at, double passed) {
       if (now.turns) return turn;
       return at[body].pose.position - here_[body].pose.position + turn.cross(arm);
     };
-    now.depth = rest_depth - now.normal.dot(moved(now.a, now.arms[0]) - moved(now.b, now.arms[1]));
+    const auto arm_of = [&](std::size_t body) -> Vector3d { return now.arms[body] + passed / 2 * now.drifts[body]; };
+    now.depth = rest_depth - now.normal.dot(moved(now.a, arm_of(0)) - moved(now.b, arm_of(1)));
     // Put a little too deep, it is found and pushed out; else it is gone.
     now.depth = std::min(now.depth, rest_depth);
     const double arm = std::max(now.arms[0].norm(), now.arms[1].norm()), turn = passed * now.spin.norm();
@@ -176,6 +178,10 @@ void Flight::recall(const State& at, double h) {
     const Vector3d& way = on_a.norm() < on_b.norm() ? on_a : on_b;
     contact.steady = way.norm() <= h * (fastest(contact.a) + fastest(contact.b)) + most_acceleration * h * h;
     contact.drifts = {on_a / h, on_b / h};
+    Contact then = *before;
+    then.point =
+        before->arms[0] + (before->a == world_body ? Vector3d(Vector3d::Zero()) : here_[before->a].pose.position);
+    contact.came = sign * relative_velocity(then, here_, here_);
     contact.spin = sign / h * before->normal.cross(contact.normal);
   }
 }
