@@ -749,7 +749,7 @@ bool Flight::hold(State& state, double h) {
     const auto way = impact.way_out(rest_depth, by, follows ? impulses : Eigen::VectorXd());
     // What undoes what they pushed too little or too much in the flight costs what that gave, and how far it misses.
     double most = taken_ + work;
-    if (first) most = std::max(most, gained(free, state, by) + done);
+    if (first && pushed) most = std::max(most, gained(free, state, by) + done);
     if (first && pushed) missed = miss * impact.energy_of(impulses);
     most = std::max(most, missed);
     const bool moved = move_out(motion, free, way, most - done, state);
