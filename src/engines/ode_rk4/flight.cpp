@@ -33,7 +33,6 @@ constexpr int most_shortenings = 5;        // of a way out, which costs nearly a
 constexpr double almost = 0.95;
 constexpr int most_splits = 4;   // of a step where something comes to stick
 constexpr double moment = 1e-4;  // of a step, at which what sticks comes to slip
-constexpr double miss = 0.01;    // of the energy that what rests would have gathered in a step without contacts
 constexpr int most_finds = 3;    // of footholds in a step: what comes to rest more often stands nowhere
 
 bool same_geoms(const Contact& one, const Contact& other) { return one.geoms == other.geoms; }
@@ -214,13 +213,17 @@ void Flight::find_footholds(double after, bool struck) {
   }
   State held = here_;
   if (found) mover().project(held);  // what leaves slowly rests from now on, not by and by
+  // What closes their gaps is paid for as ways out are.
+  const double gain = found ? gained(here_, held) : 0;
+  const bool paid = gain <= std::max(0.0, taken_) + energy_rounding * kinetic_energy(motion_.mechanism(), here_);
   if (mover().has_motors()) drive(held, after);
-  if (!footholds_->bear(held, *forces_, after, contacts_)) {
+  if (!paid || !footholds_->bear(held, *forces_, after, contacts_)) {
     footholds_.reset();
   } else if (found) {
     const auto leaves = [&](const Contact& contact) { return normal_speed(contact, here_) > options_.rest_speed; };
     resting_ = contacts_;
     std::erase_if(resting_, leaves);
+    taken_ -= gain;
     here_ = held;
   }
 }
@@ -723,7 +726,6 @@ bool Flight::hold(State& state, double h) {
   // The matrix of this pose, for the impulses.
   if (!contacts_.empty() || !motors.empty()) motion.project(state);
   std::vector<Contact> rest = contacts_;
-  double missed = 0;  // J
   for (int push = 0; push < most_pushes && (!contacts_.empty() || !motors.empty()); ++push) {
     if (push > 0 && deepest_of(contacts_) <= 2 * rest_depth) break;
     const bool first = push == 0 && h > 0;
@@ -737,7 +739,7 @@ bool Flight::hold(State& state, double h) {
     const double work = impact.work(impulses, here_, state);
     if (first) tell_joints(impact, impulses, state, h);
     std::vector<Twist> by;
-    const double done = first ? work_of_pushes(free) : 0;
+    const double done = first ? work_of_pushes(free, h) : 0;
     if (first) {
       note(impact, impulses, h);
       rest = contacts_;
@@ -747,12 +749,7 @@ bool Flight::hold(State& state, double h) {
       by = follow(free, state, h);
     }
     const auto way = impact.way_out(rest_depth, by, follows ? impulses : Eigen::VectorXd());
-    // What undoes what they pushed too little or too much in the flight costs what that gave, and how far it misses.
-    double most = taken_ + work;
-    if (first && pushed) most = std::max(most, gained(free, state, by) + done);
-    if (first && pushed) missed = miss * impact.energy_of(impulses);
-    most = std::max(most, missed);
-    const bool moved = move_out(motion, free, way, most - done, state);
+    const bool moved = move_out(motion, free, way, taken_ + work - done, state);
     taken_ -= gained(free, state) + done - work;
     if (!moved) break;  // between jaws of joints, or at the end of what can be lifted
     look(state);

@@ -65,7 +65,7 @@ class Flight {
   static void place(Contact& contact, const State& at);
   void arrive(const State& at, double passed);
   void remember(const State& at, double passed);
-  double work_of_pushes(const State& at) const;
+  double work_of_pushes(const State& at, double passed) const;
   bool stopped(const Contact& contact) const;
   const Contact* nearest_resting(const Contact& contact) const;
   void recall(const State& at, double h);

@@ -197,18 +197,21 @@ void Flight::note(const Impact& impact, const Eigen::VectorXd& impulses, double 
   }
 }
 
-/// Of the way to a state, by the contacts at hand.
-double Flight::work_of_pushes(const State& at) const {
+/// On the way to a state that comes `passed` after `here_`, J: to the third order in that.
+double Flight::work_of_pushes(const State& at, double passed) const {
   double sum = 0;
-  for (const Contact& contact : contacts_) {
-    const auto of = [&](const State& velocities) {
-      const auto spin = [&](std::size_t body) -> Vector3d {
-        return body == world_body ? Vector3d(Vector3d::Zero()) : velocities[body].twist.angular;
+  for (const Push& push : forces_->pushes) {
+    const Vector3d force = push.force_after(passed / 2), torque = push.torque_after(passed / 2);
+    const auto power = [&](const State& state, double time) {
+      const auto of = [&](std::size_t body) {
+        if (body == world_body) return 0.0;
+        const BodyNow& now = state[body];
+        const Vector3d arm = push.point_after(time, state) - now.pose.position;
+        return force.dot(now.twist.linear) + (torque + arm.cross(force)).dot(now.twist.angular);
       };
-      return contact.felt.dot(relative_velocity(contact, at, velocities)) +
-             contact.felt_turn.dot(spin(contact.a) - spin(contact.b));
+      return of(push.a) - of(push.b);
     };
-    sum += (of(here_) + of(at)) / 2;
+    sum += passed * (power(here_, 0) + power(at, passed)) / 2;
   }
   return sum;
 }
