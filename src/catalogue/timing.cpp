@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
 
 #include "measure/spread.hpp"
 #include "output/summary.hpp"
@@ -32,7 +33,8 @@ double mean_seconds(TimedRun& run, Clock clock) {
 double TimedRun::median_s() const { return median(seconds); }
 double TimedRun::mad_s() const { return median_absolute_deviation(seconds); }
 
-void time_in_turns(std::span<TimedRun> runs, int rounds, const std::function<void(int round)>& begins, Clock clock) {
+void time_in_turns(std::span<TimedRun> runs, int rounds, const std::function<void(int round)>& begins, Clock clock,
+                   double enough_s) {
   if (begins) begins(0);
   for (TimedRun& run : runs) {
     run.batch = 1;
@@ -41,7 +43,10 @@ void time_in_turns(std::span<TimedRun> runs, int rounds, const std::function<voi
   }
   for (int round = 1; round <= rounds; ++round) {
     if (begins) begins(round);
-    for (TimedRun& run : runs) run.seconds.push_back(mean_seconds(run, clock));
+    for (TimedRun& run : runs) {
+      if (std::accumulate(run.seconds.begin(), run.seconds.end(), 0.0) >= enough_s) continue;
+      run.seconds.push_back(mean_seconds(run, clock));
+    }
   }
 }
 

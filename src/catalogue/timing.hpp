@@ -1,5 +1,6 @@
 #pragma once
 // CPU times of runs that take turns, so that a machine that slows down slows all of them.
+#include <cmath>
 #include <functional>
 #include <span>
 #include <string>
@@ -30,9 +31,10 @@ using Clock = double (*)();
 
 /// Times every run once a round, after a round that warms up and does not count. Simulations are made before the clock
 /// starts and record nothing. A run so short that the clock and cold caches would show is done several times over.
-/// `begins(0)` is called before the warm-up, `begins(k)` before round k.
+/// `begins(0)` is called before the warm-up, `begins(k)` before round k. A run whose rounds took `enough_s` in sum has
+/// no more of them.
 void time_in_turns(std::span<TimedRun> runs, int rounds, const std::function<void(int round)>& begins = {},
-                   Clock clock = cpu_seconds);
+                   Clock clock = cpu_seconds, double enough_s = HUGE_VAL);
 
 /// What a table says of a run that was timed.
 TimingRow timing_row(const TimedRun& timed);

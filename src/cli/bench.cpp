@@ -54,11 +54,12 @@ NamedTexts environment() {
 }
 
 /// Times runs in turns and says how far it is.
-void time_with_progress(std::span<catalogue::TimedRun> runs, const std::string& scenario, int repeats,
+void time_with_progress(std::span<catalogue::TimedRun> runs, const std::string& scenario, const BenchOptions& options,
                         Progress& progress) {
-  catalogue::time_in_turns(runs, repeats, [&](int round) {
+  const auto begins = [&](int round) {
     progress.next(scenario + (round == 0 ? " warm-up" : " round " + std::to_string(round)));
-  });
+  };
+  catalogue::time_in_turns(runs, options.repeats, begins, catalogue::cpu_seconds, options.enough_s);
 }
 
 int bench_at_equal_steps(const BenchOptions& options) {
@@ -72,7 +73,7 @@ int bench_at_equal_steps(const BenchOptions& options) {
     for (Plan& plan : plans) {
       std::vector<catalogue::TimedRun> runs;
       for (const catalogue::Method* method : plan.methods) runs.push_back({&plan.evaluator, method, 0, 0, {}});
-      time_with_progress(runs, plan.evaluator.scenario().name, options.repeats, progress);
+      time_with_progress(runs, plan.evaluator.scenario().name, options, progress);
       for (const auto& run : runs) {
         rows.push_back(catalogue::timing_row(run));
         if (!run.suspect.empty()) {

@@ -1,5 +1,6 @@
 #pragma once
 // Timing as `odeval bench` and `odeval report` do it.
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,9 @@ struct BenchOptions {
   std::vector<std::string> methods;    // none: each scenario's own
   Settings settings;
   int repeats = 7;
-  double equal_error = 0;  // rad; 0: at equal steps
-  double until = 3;        // s, how long the error has to be kept
+  double enough_s = HUGE_VAL;  // of CPU time, after which a run is not repeated
+  double equal_error = 0;      // rad; 0: at equal steps
+  double until = 3;            // s, how long the error has to be kept
   std::string out = "results";
   bool quiet = false;
   bool json = false;

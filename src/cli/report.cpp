@@ -140,6 +140,7 @@ int report(const ReportOptions& options, const SeePage& seen) {
   BenchOptions timing;
   timing.out = options.out;
   timing.quiet = true;
+  timing.enough_s = 1;  // some references take many
   bench(timing);
   runs.files.push_back({"what a step costs, in every scenario and method", {"timing.csv", "timing.json"}});
 

@@ -162,6 +162,13 @@ void timing_takes_turns() {
   CHECK_EQUAL(runs[0].steps, 1000L);
   CHECK_EQUAL(runs[1].evaluations, 1000L);
 
+  // One that has taken enough has no more rounds.
+  slow.takes_s = {9, 7, 2};
+  std::vector<catalogue::TimedRun> long_one{{&evaluator, &other, 0, 0, {}}};
+  catalogue::time_in_turns(
+      long_one, 3, {}, [] { return now_s; }, 8);
+  CHECK_EQUAL(long_one[0].seconds.size(), std::size_t{2});
+
   // A run that no clock sees is done a hundred times over.
   quick.takes_s.assign(1 + 100, 0);
   std::vector<catalogue::TimedRun> unseen{{&evaluator, &one, 0, 0, {}}};
