@@ -65,21 +65,24 @@ void a_joint_takes_what_is_gone() {
   CHECK_NEAR(of_step(answer), 0.0, 1e-5);
 }
 
-// A motor turns a mast, whose arm is off its hinge, and another pushes out a boom that is off to the side of it: both
-// at their limits all the time, and all of the work is theirs. What is left to the joints is of the order of h.
+// A motor turns a mast, whose arm is off its hinge, another pushes out a boom that is off to the side of it, and a
+// third turns back a hook on the boom: all at their limits all the time, and all of the work is theirs. What is left to
+// the joints is of the order of h: 1.7e-4 of it measured, and 0.02 where the bodies' motion is counted wrongly.
 void motors_that_turn_with_their_bodies() {
   const audit::Answer answer = recorded("crane", "0.5");
-  for (std::size_t i = 0; i < 2; ++i) CHECK_EQUAL(answer.joint_summaries.at(i).at_limit, 500U);
+  for (std::size_t i = 0; i < 3; ++i) CHECK_EQUAL(answer.joint_summaries.at(i).at_limit, 500U);
   CHECK_BETWEEN(answer.work.motors, 1, 100);
-  CHECK_BETWEEN(std::fabs(answer.work.joints) / answer.work.motors, 0, 0.01);
+  CHECK_BETWEEN(std::fabs(answer.work.joints) / answer.work.motors, 0, 1e-3);
   CHECK_BETWEEN(std::fabs(of_step(answer)) / answer.work.motors, 0, 0.01);
 }
 
-// A box that spins about its middle axis keeps its energy, whatever way it lies.
+// A box of 10 kg that tumbles in flight keeps its energy, but for what gravity's own error, m g h v / 2, takes, and for
+// 0.013 J of the 8.5 J of its spin, measured. With its inertia in a wrong frame it would be joules.
 void a_free_box_keeps_its_energy() {
   const audit::Answer answer = recorded("free_box", "1");
   for (const audit::EnergyPoint& point : answer.energy_over_time) {
-    CHECK_BETWEEN(point.kinetic_J + point.potential_J - answer.energy.begin_J, -1, 1);
+    const double by_gravity = -10 * 9.8 * h * 9.8 * point.t_s / 2;
+    CHECK_BETWEEN(point.kinetic_J + point.potential_J - answer.energy.begin_J - by_gravity, -0.03, 0.03);
   }
 }
 

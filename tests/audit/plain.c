@@ -161,10 +161,12 @@ static void suspension(void) {
   dBodySetPosition(bodies[0], 0, 0.5, 0.9);
 }
 
-/* A mast that one motor turns, and a boom beside it that another pushes out; neither gets to its speed. */
+/* A mast that one motor turns, a boom beside it that another pushes out, and a hook on it that a third turns back; none
+ * gets to its speed. */
 static void crane(void) {
-  make_box(add(0.3, 0, 2), 1, 0.1, 0.1, 0.1);
+  make_box(add(0.3, -0.2, 2), 1, 0.1, 0.1, 0.1);
   make_box(add(1, 0.5, 2), 1, 0.1, 0.1, 0.1);
+  make_box(add(1.7, 0.5, 2), 1, 0.1, 0.1, 0.1);
   dJointID mast = dJointCreateHinge(world, 0);
   dJointAttach(mast, bodies[0], 0);
   dJointSetHingeAnchor(mast, 0, 0, 2);
@@ -176,6 +178,12 @@ static void crane(void) {
   dJointSetSliderAxis(boom, 1, 0, 0);
   dJointSetSliderParam(boom, dParamVel, 100);
   dJointSetSliderParam(boom, dParamFMax, 3);
+  dJointID hook = dJointCreateHinge(world, 0);
+  dJointAttach(hook, bodies[2], bodies[1]);
+  dJointSetHingeAnchor(hook, 1.2, 0.5, 2);
+  dJointSetHingeAxis(hook, 0, 0, 1);
+  dJointSetHingeParam(hook, dParamVel, -100);
+  dJointSetHingeParam(hook, dParamFMax, 2);
 }
 
 /* A ball on soft ground. */
