@@ -188,6 +188,7 @@ struct Answer {
   double h_s = 0;       // of the first step
   bool h_varies = false;
   bool springs_held = true;  // ERP, CFM and damping converted; else the numbers
+  bool contacts_held = false;
   std::uint32_t worlds = 0;  // that step
   std::uint32_t bodies = 0;  // the most at a time of each world, of all together, as the two after them
   std::uint32_t joints = 0;

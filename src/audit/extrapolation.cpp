@@ -127,7 +127,8 @@ Estimate Spread::error(std::size_t run, double unseen, double rounding) const {
 
 std::optional<double> Spread::order_of(std::size_t first, std::size_t last) const {
   if (first == 0 || first >= last || !(apart(first, 0) > 0) || !(apart(last, 0) > 0)) return std::nullopt;
-  return std::log(apart(first, 0) / apart(last, 0)) / std::log(steps_[first] / steps_[last]);
+  const double order = std::log(apart(first, 0) / apart(last, 0)) / std::log(steps_[first] / steps_[last]);
+  return std::isfinite(order) ? std::optional(order) : std::nullopt;
 }
 
 std::optional<double> Spread::order() const { return order_of(runs() - 2, runs() - 1); }
@@ -135,6 +136,7 @@ std::optional<double> Spread::order() const { return order_of(runs() - 2, runs()
 // Where an impact falls in a step makes one difference small by chance, so that all of them are asked; and differences
 // that are no larger than that chance do not say that there is no limit.
 Convergence Spread::convergence(const Estimate& error, double unseen) const {
+  if (!std::isfinite(error.value + error.uncertainty)) return Convergence::none;
   if (error.uncertainty <= 0.1 * error.value) return Convergence::settled;
   constexpr double nothing = 1e-9;  // m or rad: nobody's concern, and near rounding
   if (error.value + error.uncertainty <= nothing) return Convergence::settled;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <unordered_map>
 
 #include "audit/extrapolation.hpp"
@@ -187,10 +188,10 @@ class Judge {
     }
   }
 
-  /// A time of the report has passed when the first step after it comes.
+  /// A time of the report has passed when the first step after it comes, whether or not one ended on it.
   void report_before(double t) {
     for (double at = report_time(next_report_); at < t * (1 - rounding_of_time); at = report_time(++next_report_)) {
-      if (answer_.until_s >= at * (1 - rounding_of_time)) report(at);
+      if (answer_.until_s > reported_until_s_) report(at);
     }
   }
 
@@ -203,7 +204,12 @@ class Judge {
   Estimate distance(const Spread& spread, std::size_t run = 0) const {
     return spread.error(run, unseen_m_, chaos_.rounding_m());
   }
-  Estimate turn(const Spread& spread) const { return spread.error(0, unseen_rad_, chaos_.rounding_m()); }
+  /// One that half a turn is within says nothing: attitudes are never farther apart.
+  Estimate turn(const Spread& spread) const {
+    Estimate its = spread.error(0, unseen_rad_, chaos_.rounding_m());
+    if (!(its.uncertainty < std::numbers::pi)) its.convergence = Convergence::none;
+    return its;
+  }
 
   /// With what its own bends hide: an impact that it has no part in hides nothing of it.
   BodyError of_body(double t, std::uint32_t body, const Errors& errors) const {
@@ -215,6 +221,7 @@ class Judge {
   }
 
   void report(double t) {
+    reported_until_s_ = answer_.until_s;
     ErrorUntil row;
     row.t_s = t;
     row.distance_m = distance(all_.distance);
@@ -286,10 +293,13 @@ class Judge {
     std::erase_if(answer_.error_of_body, [&](const BodyError& row) { return row.t_s < answer_.error_at.front().t_s; });
   }
 
-  /// At the last time of the report before the motion is lost.
+  /// At the last time of the report before the motion is lost, until which there is a limit.
   void find_steps() {
+    const auto says_nothing = [&](const ErrorUntil& row) {
+      return row.convergence() == Convergence::none || (answer_.lost_at_s && row.t_s > *answer_.lost_at_s);
+    };
     std::size_t last = answer_.error_at.size() - 1;
-    while (last > 0 && answer_.lost_at_s && answer_.error_at[last].t_s > *answer_.lost_at_s) --last;
+    while (last > 0 && says_nothing(answer_.error_at[last])) --last;
     answer_.tried_at = last;
     answer_.steps_for_t_s = answer_.error_at[last].t_s;
     answer_.limit_degree = degrees_[last];
@@ -332,6 +342,7 @@ class Judge {
 
   std::optional<double> step_for(std::size_t report, double wanted) const {
     const ErrorUntil& own = answer_.error_at[report];
+    if (own.convergence() == Convergence::none) return std::nullopt;
     std::vector<StepError> runs;
     for (std::size_t run = 0; run < runs_.size(); ++run) {
       const Estimate& error = distances_[report][run];
@@ -369,6 +380,7 @@ class Judge {
   std::vector<std::vector<Estimate>> distances_;  // of the runs, at each time of the report
   std::vector<std::size_t> degrees_;              // of the limit, likewise
   int next_report_ = first_report;
+  double reported_until_s_ = 0;
 };
 
 }  // namespace

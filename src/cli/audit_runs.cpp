@@ -113,6 +113,7 @@ class Audit {
   int run_all(Answer& answer) {
     answer.program = fmt::format("{}", fmt::join(options_.program, " "));
     answer.springs_held = options_.hold == "springs";
+    answer.contacts_held = options_.contacts == "held";
     runs_ = {Run{.ledger = true}, Run{}};
     if (const int signal = run_from(0)) return signal;
     find_parting(answer);
@@ -219,12 +220,27 @@ class Audit {
     return sets;
   }
 
+  /// Why a setting does nothing to this program; empty where it may.
+  static std::string idle(const std::string& set, const Answer& answer) {
+    const auto is = [&](const char* key) { return set.starts_with(std::string(key) + "="); };
+    if (answer.stepper == "dWorldStep" && (is("iterations") || is("w"))) {
+      return "the program takes dWorldStep, and only dWorldQuickStep has it";
+    }
+    if (answer.contacts == 0 && (is("max_correcting_vel") || is("surface_layer"))) return "the program has no contacts";
+    if (answer.contacts == 0 && answer.joints == 0 && (is("erp") || is("cfm"))) {
+      return "the program has no joints and no contacts";
+    }
+    return "";
+  }
+
   void require_effects(const Answer& answer) const {
-    if (answer.stepper != "dWorldStep" || answer.h_s == 0) return;
+    if (answer.h_s == 0) return;
+    if (answer.contacts == 0 && answer.contacts_held) {
+      throw UserError("--contacts held: has no effect: the program has no contacts");
+    }
     for (const std::string& set : asked()) {
-      if (!set.starts_with("iterations=") && !set.starts_with("w=")) continue;
-      throw UserError(
-          fmt::format("--try {}: has no effect: the program takes dWorldStep, and only dWorldQuickStep has it", set));
+      const std::string why = idle(set, answer);
+      if (!why.empty()) throw UserError(fmt::format("--try {}: has no effect: {}", set, why));
     }
   }
 
@@ -247,7 +263,9 @@ class Audit {
     sets.emplace_back(answer.stepper == "dWorldQuickStep" ? "stepper=step" : "stepper=quick");
     sets.insert(sets.end(), {"rotation=finite", "start=half-step"});
     const std::vector<std::string> others = asked();
-    std::erase_if(sets, [&](const std::string& set) { return std::ranges::find(others, set) != others.end(); });
+    std::erase_if(sets, [&](const std::string& set) {
+      return std::ranges::find(others, set) != others.end() || !idle(set, answer).empty();
+    });
     return sets;
   }
 
@@ -266,9 +284,11 @@ class Audit {
     if (answer.h_s == 0) return "it took no step of an ODE in a shared library";
     if (answer.parting) {
       const std::string what = "a program that does not repeat can not be told from one that is wrong; ";
-      return what + (Recording(scratch_.record(0)).has(audit::pool_of_threads)
-                         ? "it has ODE take its steps with several threads (dWorldSetStepThreadingImplementation)"
-                         : "does its step come from the clock, or a start from random numbers?");
+      if (Recording(scratch_.record(0)).has(audit::pool_of_threads)) {
+        return what + "it has ODE take its steps with several threads (dWorldSetStepThreadingImplementation)";
+      }
+      return what + fmt::format("does its step come from the clock{}, or a start from random numbers?",
+                                options_.clock == "simulated" ? "" : " (try --clock simulated)");
     }
     return "";
   }

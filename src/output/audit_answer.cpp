@@ -104,22 +104,29 @@ std::string diverged_line(const Answer& answer) {
 }
 
 std::string verdict_line(const Answer& answer) {
-  const auto bad = std::ranges::find_if(
-      answer.error_at, [](const ErrorUntil& row) { return row.convergence() != Convergence::settled; });
+  const auto convergence = [](const ErrorUntil& row) { return row.convergence(); };
+  auto bad = std::ranges::find(answer.error_at, Convergence::none, convergence);
+  if (bad == answer.error_at.end()) bad = std::ranges::find(answer.error_at, Convergence::rough, convergence);
   const bool lost_early = answer.lost_at_s && *answer.lost_at_s < answer.until_s;
   if (bad == answer.error_at.end() && !lost_early) return "";
   if (bad == answer.error_at.end() || (answer.lost_at_s && *answer.lost_at_s <= bad->t_s)) {
     return fmt::format("h = {:.3g} s is too coarse for this motion from {:.3g} s on", answer.h_s, *answer.lost_at_s);
   }
   if (bad->convergence() == Convergence::rough) {
-    return fmt::format(
-        "until {:.3g} s the error is known to its size only: it does not yet fall in proportion to the step", bad->t_s);
+    return fmt::format("until {:.3g} s the error, or the turn, is known to its size only: ± is more than a tenth of it",
+                       bad->t_s);
   }
   return fmt::format("until {:.3g} s smaller steps do not bring the runs together: nothing is extrapolated there",
                      bad->t_s);
 }
 
+/// Whether there is an error that steps and settings can be told by.
+bool has_limit(const Answer& answer) {
+  return !answer.error_at.empty() && answer.error_at[answer.tried_at].convergence() != Convergence::none;
+}
+
 std::string steps_line(const Answer& answer) {
+  if (!has_limit(answer)) return "none is told, nor what other settings leave: there is no limit to hold them against";
   std::vector<std::string> words;
   for (const audit::StepFor& one : answer.steps_for) {
     const std::string distance = one.distance_m < 9e-3 ? "1 mm" : one.distance_m < 9e-2 ? "1 cm" : "10 cm";
@@ -161,7 +168,7 @@ std::string tried_line(const Answer& answer) {
     words.push_back(order[i]->set +
                     (ended(order[i]) ? ": has ended before" : fmt::format(": {:.3g} m", error(order[i]))));
   }
-  if (words.empty()) return "";
+  if (words.empty() || !has_limit(answer)) return "";
   std::string text = fmt::format("until {:.3g} s as it is: {:.3g} m, {}", answer.steps_for_t_s,
                                  answer.error_at[answer.tried_at].distance_m.value, fmt::join(words, ", "));
   if (const audit::Tried* one = cheapest(answer)) {
@@ -277,8 +284,9 @@ AuditLines audit_lines(const Answer& answer) {
   };
   if (!answer.reason.empty()) return lines;
   const int finest = std::ranges::max_element(answer.runs, {}, &audit::ProgramRun::refinement)->refinement;
-  line("error", fmt::format("largest distance of a body from where it would be at a step of 0 (steps to h/{}, {} held)",
-                            finest, answer.springs_held ? "springs" : "numbers"));
+  line("error",
+       fmt::format("largest distance of a body from where it would be at a step of 0 (steps to h/{}, {}{} held)",
+                   finest, answer.springs_held ? "springs" : "numbers", answer.contacts_held ? " and contacts" : ""));
   line("motion", motion_line(answer));
   line("diverged", diverged_line(answer));
   line("verdict", verdict_line(answer));
@@ -365,7 +373,7 @@ Json tried_json(const Answer& answer) {
 
 /// What leaves less than half of the error; nothing where nothing does.
 Json recommended_json(const Answer& answer) {
-  if (answer.error_at.empty()) return {};
+  if (!has_limit(answer)) return {};
   const auto error = [&](const audit::Tried& one) { return one.distance_m[answer.tried_at].value; };
   const audit::Tried* best = nullptr;
   for (const audit::Tried& one : answer.tried) {
@@ -396,7 +404,8 @@ std::string audit_text(const Answer& answer) {
   if (answer.parting) {
     const audit::Parting& parting = *answer.parting;
     text += fmt::format("two unchanged runs part at step {}, t = {:.4g} s{}\n", parting.step, parting.t_s,
-                        parting.body > 0 ? ", with " + body_name(answer, parting.body) : ", in what bodies there are");
+                        parting.body > 0 ? ", with " + body_name(answer, parting.body)
+                                         : ", in their steps or in what bodies there are");
   }
   if (!answer.reason.empty()) text += "no error can be told: " + answer.reason + "\n";
   if (answer.reason.empty()) text += "\n" + errors_table(answer) + "\n";
@@ -453,7 +462,7 @@ std::string audit_json(const Answer& answer) {
   json["step_for"] = std::move(steps);
   json["settings"] = tried_json(answer);
   json["recommended"] = recommended_json(answer);
-  const audit::Tried* cheap = answer.error_at.empty() ? nullptr : cheapest(answer);
+  const audit::Tried* cheap = has_limit(answer) ? cheapest(answer) : nullptr;
   json["cheapest"] = cheap != nullptr ? Json(cheap->set) : Json();
   json["softness"] = json_of(answer.softness_m);
   json["energy"] = {{"begin", json_number(answer.energy.begin_J)},

@@ -291,7 +291,11 @@ std::string lead(const Answer& answer) {
     text += fmt::format(" From {} s on {} is no finite number.", number(answer.diverged->t_s),
                         body_name(answer, answer.diverged->body));
   }
-  if (answer.lost_at_s) text += fmt::format(" From {} s on it is another motion.", number(*answer.lost_at_s));
+  if (answer.lost_at_s) {
+    text += fmt::format(" From {} s on it is another motion.", number(*answer.lost_at_s));
+  } else if (answer.error_at.back().convergence() == audit::Convergence::none) {
+    text += " After that smaller steps do not bring the runs together.";
+  }
   return text;
 }
 

@@ -108,6 +108,9 @@ void what_moves_apart_has_no_limit() {
   CHECK(chaos.error(0).convergence != Convergence::settled);
   const Spread broken = spread_of({1, 2, 4, 8}, [](double h) { return h < 0.2 ? NAN : 1.0; });
   CHECK(broken.error(0).convergence == Convergence::none);
+  const Spread infinite = spread_of({1, 2, 4, 8}, [](double h) { return h > 0.2 ? HUGE_VAL : 1.0; });
+  CHECK(infinite.error(0).convergence == Convergence::none);
+  CHECK(!infinite.order());
 }
 
 void what_is_the_same_is_settled() {

@@ -81,6 +81,7 @@ void step() {
     ++now;
     return;
   }
+  if (is("runaway")) dBodyAddForce(lost, 0, 0, 1e7 * dBodyGetPosition(lost)[2]);
   dWorldStep(world, 0.001);
   dJointGroupEmpty(contacts);
   ++now;
@@ -92,7 +93,8 @@ void make() {
   space = dHashSpaceCreate(nullptr);
   contacts = dJointGroupCreate(0);
   dWorldSetGravity(world, 0, 0, -9.81);
-  dCreatePlane(space, 0, 0, 1, 0);
+  if (!is("free")) dCreatePlane(space, 0, 0, 1, 0);
+  if (is("static-pair")) dGeomSetPosition(dCreateBox(space, 1, 1, 1), 5, 0, 0.3);  // 0.2 m in the plane
   ball = dBodyCreate(world);
   dMass mass;
   dMassSetSphereTotal(&mass, 1, 0.1);
@@ -100,7 +102,7 @@ void make() {
   dBodySetPosition(ball, 0, 0, 0.3);
   ball_geom = dCreateSphere(space, 0.1);
   dGeomSetBody(ball_geom, ball);
-  if (is("nan-place") || is("nan-start")) lost = dBodyCreate(world);
+  if (is("nan-place") || is("nan-start") || is("runaway")) lost = dBodyCreate(world);
   if (is("nan-start")) dBodySetPosition(lost, dReal(0) / dReal(0), 0, 0);
   if (is("named")) odeval_name(ball, "the ball");
 }

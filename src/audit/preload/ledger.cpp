@@ -169,6 +169,8 @@ Ledger::Step::~Step() {
 
 void Ledger::Step::taken(dReal h) {
   ledger_.rows_.begin(world_.bodies.size());
+  world_.contacts = 0;  // of those made, some may be of two geoms that have no body
+  world_.depth = 0;
   for (Body& body : world_.bodies) take_body(world_, body, h);
   for (Joint& joint : world_.joints) ledger_.take(world_, joint, h);
   for (Touch& touch : world_.touches) ledger_.take(world_, touch, h);
@@ -266,6 +268,8 @@ void Ledger::take(World& world, Touch& touch, dReal h) {
   std::array<std::size_t, 2> hints{};
   const Acting acting(world, touch.id, hints);
   if (acting.id == nullptr) return;
+  ++world.contacts;
+  world.depth = std::max(world.depth, touch.contact.geom.depth);
   const auto [first, second] = acting.moving(world);
   rows_.add(first, second, rows_of(touch.contact));
   const double work = acting.work(h);

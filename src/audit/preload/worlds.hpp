@@ -78,7 +78,7 @@ struct World {
   std::vector<Body> bodies{};
   std::vector<Joint> joints{};   // no contacts
   std::vector<Touch> touches{};  // while they are followed
-  std::uint32_t contacts = 0;    // made since the last step
+  std::uint32_t contacts = 0;    // made since the last step; with a ledger, then those that act on a body in it
   dReal depth = 0;               // the largest of them
   struct {
     double added = 0;
