@@ -74,7 +74,7 @@ struct ProgramRun {
 struct Tried {
   std::string set;  // "erp=0.8"
   std::vector<Estimate>
-      distance_m{};    // from the limit, at the times of Answer::error_at; no number: it has ended by then
+      distance_m{};    // from the limit, at the times of Answer::error_at until tried_at; no number: ended by then
   double cpu = 0;      // time of a step within ODE, over that of the unchanged run: as it was measured
   double work = 0;     // of the solver over that of the unchanged run, as it was counted; NaN: not known
   bool asked = false;  // for by the user

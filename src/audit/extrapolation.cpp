@@ -6,10 +6,10 @@
 namespace odeval::audit {
 namespace {
 
-double distance(const double* a, const double* b, std::size_t components) {
+double square_distance(const double* a, const double* b, std::size_t components) {
   double sum = 0;
   for (std::size_t c = 0; c < components; ++c) sum += (a[c] - b[c]) * (a[c] - b[c]);
-  return std::sqrt(sum);
+  return sum;
 }
 
 /// NaN, which a run that blew up has, is the largest.
@@ -67,16 +67,17 @@ Spread::Spread(const std::vector<int>& refinements, std::size_t others)
 
 void Spread::add(const double* values, std::size_t components, double metric) {
   const std::size_t n = runs();
+  const double square = metric * metric;
   extrapolate(steps_, values, components, table_);
   const auto at = [&](std::size_t run, std::size_t degree) { return table_.data() + (run * n + degree) * components; };
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      raise(apart_[i * n + j], metric * distance(at(i, j), at(i - 1, j), components));
+      raise(apart_[i * n + j], square * square_distance(at(i, j), at(i - 1, j), components));
     }
   }
   for (std::size_t i = 0; i * n < off_.size(); ++i) {
     for (std::size_t j = 0; j < n; ++j) {
-      raise(off_[i * n + j], metric * distance(values + i * components, at(n - 1, j), components));
+      raise(off_[i * n + j], square * square_distance(values + i * components, at(n - 1, j), components));
     }
   }
 }
@@ -118,9 +119,14 @@ std::size_t Spread::best_degree() const {
   return best;
 }
 
-Estimate Spread::error(std::size_t run, double unseen, double rounding) const {
+Spread::Limit Spread::limit() const {
   const std::size_t degree = best_degree();
-  Estimate its{off_[run * runs() + degree], uncertainty(degree) + unseen + rounding, Convergence::none};
+  return {degree, uncertainty(degree)};
+}
+
+Estimate Spread::error(std::size_t run, double unseen, double rounding) const {
+  const Limit its_limit = limit();
+  Estimate its{off(run, its_limit), its_limit.uncertainty + unseen + rounding, Convergence::none};
   its.convergence = convergence(its, unseen);
   return its;
 }

@@ -1,6 +1,7 @@
 #pragma once
 // The same value at several steps, taken to the step of 0.
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -38,14 +39,22 @@ class Spread {
   /// The larger of both.
   void add(const Spread& other);
 
-  /// The difference of a run, or of one of the others, from the limit. `unseen` is what no run sees of bends and jumps
+  struct Limit {
+    std::size_t degree;
+    double uncertainty;
+  };
+  Limit limit() const;
+  /// How far a run, or one of the others, is from it.
+  double off(std::size_t run, const Limit& limit) const { return std::sqrt(off_[run * runs() + limit.degree]); }
+
+  /// Of a run, or of one of the others, that and what it is worth. `unseen` is what no run sees of bends and jumps
   /// (the judge's to know), and more of what the limit may be off by, as `rounding` is.
   Estimate error(std::size_t run, double unseen = 0, double rounding = 0) const;
   /// Of the last three runs; nothing where they do not differ.
   std::optional<double> order() const;
 
  private:
-  double apart(std::size_t run, std::size_t degree) const { return apart_[run * runs() + degree]; }
+  double apart(std::size_t run, std::size_t degree) const { return std::sqrt(apart_[run * runs() + degree]); }
   /// By the distances of run `first` and run `last` from those before them.
   std::optional<double> order_of(std::size_t first, std::size_t last) const;
   double uncertainty(std::size_t degree) const;
@@ -53,8 +62,8 @@ class Spread {
   Convergence convergence(const Estimate& error, double unseen) const;
 
   std::vector<double> steps_;  // in units of h
-  std::vector<double> apart_;  // T(i, j) from T(i-1, j), [i][j]
-  std::vector<double> off_;    // run i from T(last, j), [i][j]
+  std::vector<double> apart_;  // the square, T(i, j) from T(i-1, j), [i][j]
+  std::vector<double> off_;    // likewise, run i from T(last, j), [i][j]
   std::vector<double> table_;  // T, of one time
 };
 

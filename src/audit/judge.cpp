@@ -35,22 +35,6 @@ double turn(const double* a, const double* b) {
   return 4 * std::asin(std::min(1.0, std::sqrt(square) / 2));
 }
 
-/// Of the program with `set`, "iterations=50", in the place of its own, over what it is.
-double solver_work(const Answer& answer, const std::string& set) {
-  const SolverWork& solver = answer.solver;
-  const auto of = [&](bool quick, double iterations) {
-    return solver.besides + (quick ? iterations * solver.iteration : solver.direct);
-  };
-  const bool quick = answer.stepper == "dWorldQuickStep";
-  const double own = of(quick, solver.iterations);
-  const std::size_t sign = set.find('=');
-  const std::string key = set.substr(0, sign);
-  const std::string value = set.substr(sign + 1);
-  if (key == "iterations") return of(quick, std::stod(value)) / own;
-  if (key != "stepper") return 1;
-  return value == "accurate" ? NAN : of(value == "quick", solver.iterations) / own;
-}
-
 struct Errors {
   Spread distance;
   Spread turn;
@@ -63,21 +47,20 @@ struct Path {
   Bends spin{};
 };
 
+struct Followed {
+  Errors errors;
+  Path path;
+};
+
 class Judge {
  public:
-  Judge(const Records& records, Answer& answer)
-      : records_(records),
-        answer_(answer),
-        others_(records.tried.size() + (records.with_numbers ? 1 : 0)),
-        all_(fresh()) {
+  Judge(const Records& records, Answer& answer) : records_(records), answer_(answer), all_(fresh()) {
     for (const auto& file : records.refined) runs_.emplace_back(file);
-    for (std::size_t i = 0; i < records.tried.size(); ++i) others_[i].emplace(records.tried[i]);
-    if (records.with_numbers) others_.back().emplace(*records.with_numbers);
     if (records.moved) moved_.emplace(*records.moved);
     chaos_.moved_by_m = records.moved_by_m;
   }
 
-  void judge() {
+  std::vector<Hidden> judge() {
     while (next()) {
       report_before(moments_.front().frame.t);
       take();
@@ -86,12 +69,11 @@ class Judge {
       report(answer_.until_s);
     }
     sum_up();
+    return hidden_;
   }
 
  private:
-  Errors fresh() const {
-    return {Spread(records_.refinements, others_.size()), Spread(records_.refinements, others_.size())};
-  }
+  Errors fresh() const { return {Spread(records_.refinements), Spread(records_.refinements)}; }
 
   /// The same step of all runs; false when one has none, or other bodies, or the program's own is no number any more.
   bool next() {
@@ -107,14 +89,6 @@ class Judge {
       if (moments_.empty() && not_finite(*moment) != 0) return false;
       moments_.push_back(*moment);
     }
-    of_others_.assign(others_.size(), std::nullopt);
-    for (std::size_t i = 0; i < others_.size(); ++i) {
-      if (others_[i]) of_others_[i] = others_[i]->next();
-      if (!of_others_[i] || !same_bodies(moments_.front(), *of_others_[i])) {
-        of_others_[i].reset();
-        others_[i].reset();
-      }
-    }
     return true;
   }
 
@@ -127,30 +101,28 @@ class Judge {
     take_moved(own);
     chaos_.steps = own.frame.step * static_cast<std::uint64_t>(records_.refinements.back());
     answer_.until_s = std::max(answer_.until_s, own.frame.t);
-    add_to_curve(own.frame.t);
-    const double error = larger_of(distance(all_.distance));
-    const double turned = larger_of(turn(all_.turn));
+    const Spread::Limit place = all_.distance.limit();
+    const Spread::Limit attitude = all_.turn.limit();
+    const double rounding = chaos_.rounding_m();
+    ErrorPoint point{own.frame.t, {}, place.uncertainty + unseen_m_ + rounding};
+    for (std::size_t run = 0; run < runs_.size(); ++run) point.distance_m.push_back(all_.distance.off(run, place));
+    const double error = larger_of(point.distance_m.front(), point.uncertainty_m);
+    const double turned = larger_of(all_.turn.off(0, attitude), attitude.uncertainty + unseen_rad_ + rounding);
+    curve_.add(std::move(point));
     if (path_.empty() || error > 1.01 * path_.back().distance || turned > 1.01 * path_.back().turn) {
       path_.push_back({own.frame.t, error, turned});
     }
   }
 
-  void add_to_curve(double t) {
-    ErrorPoint point{t, {}, distance(all_.distance).uncertainty};
-    for (std::size_t run = 0; run < runs_.size(); ++run) point.distance_m.push_back(distance(all_.distance, run).value);
-    curve_.add(point);
-  }
-
   void take_body(std::size_t i) {
     const BodySample& own = moments_.front().bodies[i];
-    Errors& its = of_body_.try_emplace(own.body, fresh()).first->second;
+    auto found = of_body_.find(own.body);
+    if (found == of_body_.end()) found = of_body_.emplace(own.body, Followed{fresh(), Path{own}}).first;
+    auto& [its, path] = found->second;
     values_.clear();
     for (const Moment& moment : moments_) {
       const BodySample& body = moment.bodies[i];
       values_.insert(values_.end(), body.position, body.position + 3);
-    }
-    for (const auto& moment : of_others_) {
-      for (std::size_t k = 0; k < 3; ++k) values_.push_back(moment ? moment->bodies[i].position[k] : NAN);
     }
     its.distance.add(values_.data(), 3, 1);
     values_.clear();
@@ -158,15 +130,9 @@ class Judge {
       const std::array<double, 4> quaternion = nearer(moment.bodies[i].quaternion, own.quaternion);
       values_.insert(values_.end(), quaternion.begin(), quaternion.end());
     }
-    for (const auto& moment : of_others_) {
-      const std::array<double, 4> quaternion =
-          nearer(moment ? moment->bodies[i].quaternion : own.quaternion, own.quaternion);
-      for (const double part : quaternion) values_.push_back(moment ? part : NAN);
-    }
     its.turn.add(values_.data(), 4, 2);  // a small turn is twice the distance of quaternions
     all_.distance.add(its.distance);
     all_.turn.add(its.turn);
-    Path& path = paths_.try_emplace(own.body, Path{own}).first->second;
     answer_.motion_m = std::max(answer_.motion_m, away(own.position, path.start.position));
     most_turned_ = std::max(most_turned_, audit::turn(own.quaternion, path.start.quaternion));
     const double h = moments_.front().frame.h;
@@ -196,10 +162,11 @@ class Judge {
   }
 
   /// What is not a number is as large as can be.
-  static double larger_of(const Estimate& error) {
-    if (std::isnan(error.value) || std::isnan(error.uncertainty)) return std::numeric_limits<double>::infinity();
-    return std::max(error.value, error.uncertainty);
+  static double larger_of(double value, double uncertainty) {
+    if (std::isnan(value) || std::isnan(uncertainty)) return std::numeric_limits<double>::infinity();
+    return std::max(value, uncertainty);
   }
+  static double larger_of(const Estimate& error) { return larger_of(error.value, error.uncertainty); }
 
   Estimate distance(const Spread& spread, std::size_t run = 0) const {
     return spread.error(run, unseen_m_, chaos_.rounding_m());
@@ -212,8 +179,8 @@ class Judge {
   }
 
   /// With what its own bends hide: an impact that it has no part in hides nothing of it.
-  BodyError of_body(double t, std::uint32_t body, const Errors& errors) const {
-    const Path& path = paths_.at(body);
+  BodyError of_body(double t, std::uint32_t body, const Followed& followed) const {
+    const auto& [errors, path] = followed;
     const int finest = records_.refinements.back();
     const double rounding = chaos_.rounding_m();
     return {t, body + 1, errors.distance.error(0, path.velocity.unseen(finest), rounding),
@@ -234,8 +201,8 @@ class Judge {
     const bool rather_turned = row.distance_m.value < ErrorUntil::little * row.turn_rad.value;
     row.order = (rather_turned ? all_.turn : all_.distance).order();
     double largest = -1;
-    for (const auto& [body, errors] : of_body_) {
-      const BodyError its = of_body(t, body, errors);
+    for (const auto& [body, followed] : of_body_) {
+      const BodyError its = of_body(t, body, followed);
       answer_.error_of_body.push_back(its);
       const double size = larger_of(rather_turned ? its.turn_rad : its.distance_m);
       if (size < largest || (size == largest && its.body > row.body)) continue;
@@ -245,9 +212,9 @@ class Judge {
     for (std::size_t run = 0; run < runs_.size(); ++run) row.of_runs_m.push_back(distance(all_.distance, run).value);
     answer_.error_at.push_back(row);
     std::vector<Estimate> of_runs;
-    for (std::size_t run = 0; run < runs_.size() + others_.size(); ++run)
-      of_runs.push_back(distance(all_.distance, run));
+    for (std::size_t run = 0; run < runs_.size(); ++run) of_runs.push_back(distance(all_.distance, run));
     distances_.push_back(std::move(of_runs));
+    hidden_.push_back({unseen_m_, chaos_.rounding_m()});
     degrees_.push_back(all_.distance.best_degree());
   }
 
@@ -261,7 +228,6 @@ class Judge {
     answer_.energy.error_J = energy_error();
     answer_.error_over_time = curve_.points();
     find_steps();
-    take_tried();
   }
 
   /// At the end alone: in an impact that comes later energies differ for a moment.
@@ -288,6 +254,7 @@ class Judge {
     while (answer_.error_at.size() > 1 && answer_.error_at.front().t_s < first * (1 - rounding_of_time)) {
       answer_.error_at.erase(answer_.error_at.begin());
       distances_.erase(distances_.begin());
+      hidden_.erase(hidden_.begin());
       degrees_.erase(degrees_.begin());
     }
     std::erase_if(answer_.error_of_body, [&](const BodyError& row) { return row.t_s < answer_.error_at.front().t_s; });
@@ -307,37 +274,6 @@ class Judge {
       if (point.t <= answer_.steps_for_t_s * (1 + rounding_of_time)) answer_.worst_t_s = point.t;
     }
     for (const double wanted : {1e-3, 1e-2, 1e-1}) answer_.steps_for.push_back({wanted, step_for(last, wanted)});
-  }
-
-  void take_tried() {
-    const std::size_t runs = runs_.size();
-    const double own_cost = cost_of(records_.unchanged_again);
-    for (std::size_t i = 0; i < records_.tried.size(); ++i) {
-      Tried tried{.set = records_.tried_sets[i],
-                  .distance_m = {},
-                  .cpu = cost_of(records_.tried[i]) / own_cost,
-                  .work = solver_work(answer_, records_.tried_sets[i]),
-                  .asked = records_.tried.size() - i <= records_.asked};
-      for (const auto& distances : distances_) tried.distance_m.push_back(distances[runs + i]);
-      answer_.tried.push_back(std::move(tried));
-    }
-    if (!records_.with_numbers) return;
-    const std::vector<Estimate>& distances = distances_[answer_.tried_at];
-    answer_.softness_m = distances.back().value;
-    answer_.softness_of_step_m = distances[runs - 2].value;
-  }
-
-  /// Of a step within ODE, s: the median, since the machine does other things as well.
-  static double cost_of(const std::filesystem::path& record) {
-    Recording run(record);
-    std::vector<float> steps;
-    for (auto moment = run.next(); moment; moment = run.next()) {
-      if (moment->frame.step > 0) steps.push_back(static_cast<float>(moment->frame.ode_s));
-    }
-    if (steps.empty()) return NAN;
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-    std::ranges::nth_element(steps, middle);
-    return *middle;
   }
 
   std::optional<double> step_for(std::size_t report, double wanted) const {
@@ -362,13 +298,10 @@ class Judge {
   Answer& answer_;
   std::vector<Recording> runs_;
   std::optional<Recording> moved_;
-  std::vector<std::optional<Recording>> others_;  // tried, then with numbers; none: it has ended, or has other bodies
-  std::vector<std::optional<Moment>> of_others_;  // of this step
-  std::vector<Moment> moments_;                   // of this step, one a run
+  std::vector<Moment> moments_;  // of this step, one a run
   std::vector<double> values_;
   Errors all_;
-  std::unordered_map<std::uint32_t, Errors> of_body_;
-  std::unordered_map<std::uint32_t, Path> paths_;
+  std::unordered_map<std::uint32_t, Followed> of_body_;
   double unseen_m_ = 0;  // of any body
   double unseen_rad_ = 0;
   std::vector<double> energies_;  // of the runs, at this step
@@ -379,12 +312,13 @@ class Judge {
   std::vector<PathPoint> path_;                   // of the error, each time it has grown by a hundredth
   std::vector<std::vector<Estimate>> distances_;  // of the runs, at each time of the report
   std::vector<std::size_t> degrees_;              // of the limit, likewise
+  std::vector<Hidden> hidden_;                    // likewise
   int next_report_ = first_report;
   double reported_until_s_ = 0;
 };
 
 }  // namespace
 
-void judge(const Records& records, Answer& answer) { Judge(records, answer).judge(); }
+std::vector<Hidden> judge(const Records& records, Answer& answer) { return Judge(records, answer).judge(); }
 
 }  // namespace odeval::audit

@@ -23,7 +23,7 @@ struct Records {
   std::vector<std::filesystem::path> tried;           // the unchanged run with other settings
   std::vector<std::string> tried_sets;                // "erp=0.8"
   std::size_t asked = 0;                              // of those, the last ones: the user's own
-  std::optional<std::filesystem::path> with_numbers;  // at the last refinement but one
+  std::optional<std::filesystem::path> with_numbers;  // at the second refinement
 };
 
 /// What the unchanged run was: stepper, counts, energy, gaps, messages.
@@ -32,7 +32,18 @@ void describe(const std::filesystem::path& unchanged, Answer& answer);
 /// Calls `take` with each step of a run.
 void each_step(const std::filesystem::path& record, const std::function<void(const StepRow&)>& take);
 
-/// Errors, order, horizon, steps. Runs are compared as far as all of them go and have the same bodies.
-void judge(const Records& records, Answer& answer);
+/// What a limit may be off by besides its uncertainty.
+struct Hidden {
+  double unseen_m = 0;
+  double rounding_m = 0;
+};
+
+/// Errors, order, horizon, steps. Refined runs are compared as far as all of them go and have the same bodies. Returns
+/// what is hidden at each of Answer::error_at.
+std::vector<Hidden> judge(const Records& records, Answer& answer);
+
+/// How far those that were tried, and the one with numbers, are from the limit, until Answer::steps_for_t_s: beyond,
+/// nothing is told of them. `hidden` is the judge's.
+void judge_tried(const Records& records, const std::vector<Hidden>& hidden, Answer& answer);
 
 }  // namespace odeval::audit

@@ -1,0 +1,157 @@
+// Settings in the place of the program's own: how far from the limit do they take it, and what do they cost?
+#include <algorithm>
+#include <cmath>
+
+#include "audit/extrapolation.hpp"
+#include "audit/judge.hpp"
+#include "audit/recording.hpp"
+
+namespace odeval::audit {
+namespace {
+
+using Moment = Recording::Moment;
+
+/// Of the program with `set`, "iterations=50", in the place of its own, over what it is.
+double solver_work(const Answer& answer, const std::string& set) {
+  const SolverWork& solver = answer.solver;
+  const auto of = [&](bool quick, double iterations) {
+    return solver.besides + (quick ? iterations * solver.iteration : solver.direct);
+  };
+  const bool quick = answer.stepper == "dWorldQuickStep";
+  const double own = of(quick, solver.iterations);
+  const std::size_t sign = set.find('=');
+  const std::string key = set.substr(0, sign);
+  const std::string value = set.substr(sign + 1);
+  if (key == "iterations") return of(quick, std::stod(value)) / own;
+  if (key != "stepper") return 1;
+  return value == "accurate" ? NAN : of(value == "quick", solver.iterations) / own;
+}
+
+/// Of a step within ODE, s: the median, since the machine does other things as well.
+double cost_of(std::vector<float>& steps) {
+  if (steps.empty()) return NAN;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::ranges::nth_element(steps, middle);
+  return *middle;
+}
+
+/// A run beside the refined ones: as long as it has the same steps and bodies.
+class Beside {
+ public:
+  explicit Beside(const std::filesystem::path& file) : run_(file) {}
+
+  /// Its moment that goes with `own`; null: it has ended, or has other bodies.
+  const Moment* next(const Moment& own) {
+    if (run_) moment_ = run_->next();
+    if (!moment_ || !same_bodies(own, *moment_)) {
+      moment_.reset();
+      run_.reset();
+      return nullptr;
+    }
+    if (moment_->frame.step > 0) steps_.push_back(static_cast<float>(moment_->frame.ode_s));
+    return &*moment_;
+  }
+  double cost_of_step() { return cost_of(steps_); }
+
+ private:
+  std::optional<Recording> run_;
+  std::optional<Moment> moment_;
+  std::vector<float> steps_;  // s within ODE
+};
+
+class TriedJudge {
+ public:
+  TriedJudge(const Records& records, const std::vector<Hidden>& hidden, Answer& answer)
+      : records_(records),
+        hidden_(hidden),
+        answer_(answer),
+        again_(records.unchanged_again),
+        all_(records.refinements, records.tried.size() + (records.with_numbers ? 1 : 0)) {
+    for (const auto& file : records.refined) runs_.emplace_back(file);
+    for (const auto& file : records.tried) others_.emplace_back(file);
+    if (records.with_numbers) others_.emplace_back(*records.with_numbers);
+    answer_.tried.clear();
+    for (std::size_t i = 0; i < records.tried.size(); ++i) {
+      answer_.tried.push_back({.set = records.tried_sets[i],
+                               .work = solver_work(answer, records.tried_sets[i]),
+                               .asked = records.tried.size() - i <= records.asked});
+    }
+  }
+
+  void judge() {
+    while (next()) {
+      report_before(moments_.front().frame.t);
+      if (reports_ > answer_.tried_at) break;
+      take();
+    }
+    while (reports_ <= answer_.tried_at) report();
+    const double own_cost = again_.cost_of_step();
+    for (std::size_t i = 0; i < answer_.tried.size(); ++i) {
+      answer_.tried[i].cpu = others_[i].cost_of_step() / own_cost;
+    }
+  }
+
+ private:
+  /// The same step of the refined runs, as far as they were judged.
+  bool next() {
+    moments_.clear();
+    for (Recording& run : runs_) {
+      const auto moment = run.next();
+      if (!moment || (!moments_.empty() && !same_bodies(moments_.front(), *moment))) return false;
+      moments_.push_back(*moment);
+    }
+    return moments_.front().frame.t <= answer_.until_s * (1 + rounding_of_time);
+  }
+
+  void take() {
+    const Moment& own = moments_.front();
+    of_others_.clear();
+    for (Beside& other : others_) of_others_.push_back(other.next(own));
+    again_.next(own);
+    for (std::size_t i = 0; i < own.bodies.size(); ++i) {
+      values_.clear();
+      for (const Moment& moment : moments_) {
+        values_.insert(values_.end(), moment.bodies[i].position, moment.bodies[i].position + 3);
+      }
+      for (const Moment* moment : of_others_) {
+        for (std::size_t k = 0; k < 3; ++k) values_.push_back(moment != nullptr ? moment->bodies[i].position[k] : NAN);
+      }
+      all_.add(values_.data(), 3, 1);
+    }
+  }
+
+  void report_before(double t) {
+    while (reports_ <= answer_.tried_at && answer_.error_at[reports_].t_s < t * (1 - rounding_of_time)) report();
+  }
+
+  void report() {
+    const Hidden& hidden = hidden_[reports_++];
+    const auto error = [&](std::size_t run) { return all_.error(run, hidden.unseen_m, hidden.rounding_m); };
+    for (std::size_t i = 0; i < answer_.tried.size(); ++i) {
+      answer_.tried[i].distance_m.push_back(error(runs_.size() + i));
+    }
+    if (!records_.with_numbers) return;
+    answer_.softness_m = error(runs_.size() + answer_.tried.size()).value;
+    answer_.softness_of_step_m = error(1).value;
+  }
+
+  const Records& records_;
+  const std::vector<Hidden>& hidden_;
+  Answer& answer_;
+  std::vector<Recording> runs_;
+  std::vector<Beside> others_;  // tried, then with numbers
+  Beside again_;                // the unchanged run, without a ledger
+  Spread all_;
+  std::vector<Moment> moments_;           // of this step, of the refined runs
+  std::vector<const Moment*> of_others_;  // likewise
+  std::vector<double> values_;
+  std::size_t reports_ = 0;
+};
+
+}  // namespace
+
+void judge_tried(const Records& records, const std::vector<Hidden>& hidden, Answer& answer) {
+  TriedJudge(records, hidden, answer).judge();
+}
+
+}  // namespace odeval::audit
