@@ -109,18 +109,14 @@ void check_energy(void (*build)(World&), double restitution, double friction, do
   options.contact = [=](dGeomID, dGeomID) { return std::optional(Bounce{restitution, friction}); };
   AccurateStep step(world.id, world.space, options);
   const double start = world.energy();
-  double highest = start, last = start, rise = 0;
+  double highest = start;
   for (double t = 0; t < 3; t += h) {
     step(h);
     highest = std::max(highest, world.energy());
-    rise = std::max(rise, world.energy() - last);
-    last = world.energy();
   }
-  std::printf("restitution %g, friction %g: %zu crowded steps; energy %.4g J, risen by %.2g of it, %.2g in a step\n",
-              restitution, friction, step.crowded_steps(), start, highest / start - 1, rise / start);
+  std::printf("restitution %g, friction %g: %zu crowded steps; energy %.4g J, risen by %.2g of it\n", restitution,
+              friction, step.crowded_steps(), start, highest / start - 1);
   CHECK_BETWEEN(highest, start, start * (1 + 1e-12));
-  // Crowded impacts pay for their own ways out; what is lifted once all rests costs at most 1.4e-4 of it here.
-  CHECK_BETWEEN(rise, 0, 5e-4 * start);
   CHECK(step.crowded_steps() > 0);
 }
 

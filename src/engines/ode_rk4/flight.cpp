@@ -30,7 +30,6 @@ constexpr double near_newton = 0.02;       // of the bracket: Newton's method mi
 constexpr int most_pushes = 10;
 constexpr double energy_rounding = 1e-14;  // of kinetic energy
 constexpr int most_shortenings = 5;        // of a way out, which costs nearly as much as it is long
-constexpr double most_out = 0.75;          // of what overlaps in a crowd, at once: all of it would push a heap apart
 constexpr double almost = 0.95;
 constexpr int most_splits = 4;   // of a step where something comes to stick
 constexpr double moment = 1e-4;  // of a step, at which what sticks comes to slip
@@ -488,10 +487,8 @@ void Flight::impact(double t, bool at_once, bool last) {
   const std::vector<LateMotor> motors = mover().late(let_go_);
   if (!resting.empty() || !motors.empty()) {
     const Impact held(motion_, resting, there_, motors);
-    const State free = there_;
     bounce_elastic(motion_, held, resting, let_go_, there_);
-    const Eigen::VectorXd impulses = held.stop(there_);
-    taken_ -= work_of_pushes(free, let_go_) + gained(free, there_) - held.work(impulses, here_, there_);
+    held.stop(there_);
   }
   const auto damp = [&] {
     for (Contact& contact : contacts_) {
@@ -583,8 +580,8 @@ void Flight::bounce_elastic(Motion& motion, const Impact& impact, std::vector<Co
 
 /// The rest of a step in which contacts crowd, by the scheme of Moreau and Jean: free motion to its end, there one
 /// impact of all contacts, by the speeds at which they closed before the forces of the step. Poses follow half of the
-/// change of velocity, which is what holds what rests in its place, and what overlaps besides is left in part to the
-/// next steps, as is what the step itself does not pay: a crowded step adds no energy.
+/// change of velocity, which is what holds what rests in its place, and leave half of what overlaps besides to the next
+/// step: all of it at once would push a heap apart.
 void Flight::settle_crowd(State& state, double h) {
   bool bounced = false;
   motion_.project(state);  // the matrix of this pose, for the impulses
@@ -625,22 +622,18 @@ void Flight::settle_crowd(State& state, double h) {
   const std::vector<Twist> by = follow(free, state, h);
   for (Contact& contact : contacts_) {
     if (normal_speed(contact, state) <= options_.rest_speed) resting_.push_back(contact);
-    contact.depth = most_out * (contact.depth - rest_depth);
+    contact.depth = (contact.depth - rest_depth) / 2;
   }
   const std::vector<Twist> way = impact.way_out(0, by);
   const State struck = state;
-  move_out(motion_, free, way, HUGE_VAL, state);  // what that costs, the bounce pays
+  move_out(motion_, free, way, HUGE_VAL, state);  // what that costs, the bounce pays, then what was taken before
   const double gain = gained(free, state) - work;
   if (gain > energy_rounding * kinetic_energy(motion_.mechanism(), free)) {
     state = free;
     motion_.project(state);
     work = std::min(work, impact.work(impact.stop(state), here_, state));
     state = slowed(state, struck, gain);
-    // The change of velocity first, then as much of the overlaps as it leaves paid.
-    const State slow = state;
-    if (!move_out(motion_, free, way, work, state, by) && !follow_all(free, by, work, state = slow)) {
-      move_out(motion_, free, by, work, state);
-    }
+    move_out(motion_, free, way, taken_ + work, state);
   }
   taken_ -= gained(free, state) - work;
 }
@@ -677,19 +670,13 @@ State Flight::slowed(const State& still, const State& struck, double by) const {
 }
 
 /// Moves poses along a way, as far as joints keep, and as far as no more than `most` is gained since the contacts at
-/// hand struck bodies that were `free`: by less of it, or of what it has besides a way that pays for itself. Returns
-/// false if it had to stay. Where `most` is `taken_`, energy is never more than at first and what lifts bodies out of
-/// the overlaps that they start with (`begin`), but for rounding; but for the work of forces that change along the way,
-/// and of torques.
-bool Flight::move_out(Motion& motion, const State& free, std::span<const Twist> way, double most, State& state,
-                      std::span<const Twist> paid) {
+/// hand struck bodies that were `free`. Returns false if it had to stay. Where `most` is `taken_`, energy is never more
+/// than at first and what lifts bodies out of the overlaps that they start with (`begin`), but for rounding; but for
+/// the work of forces that change along the way, and of torques.
+bool Flight::move_out(Motion& motion, const State& free, std::span<const Twist> way, double most, State& state) {
   if (way.empty()) return true;
   const State before = state;
-  double taken = gained(free, before);
-  if (!paid.empty()) {
-    motion.displace({paid.begin(), paid.end()}, state);
-    taken = gained(free, std::exchange(state, before));
-  }
+  const double taken = gained(free, before);
   const double allowed = most + energy_rounding * kinetic_energy(motion.mechanism(), free);
   std::vector<Twist> part(way.begin(), way.end());
   for (int round = 0; round < most_shortenings; ++round) {
@@ -697,31 +684,8 @@ bool Flight::move_out(Motion& motion, const State& free, std::span<const Twist> 
     const double gain = gained(free, state);
     if (gain <= allowed) return true;
     const double share = std::clamp((most - taken) / (gain - taken), 0.0, 1.0);
-    for (std::size_t i = 0; i < part.size(); ++i) {
-      const Twist from = paid.empty() ? Twist{Vector3d::Zero(), Vector3d::Zero()} : paid[i];
-      part[i].linear = from.linear + share * (part[i].linear - from.linear);
-      part[i].angular = from.angular + share * (part[i].angular - from.angular);
-    }
+    for (Twist& twist : part) twist = {share * twist.linear, share * twist.angular};
     state = before;
-  }
-  state = before;
-  return false;
-}
-
-/// The same for a way that is to be gone to its end: what it gains too much, all velocities pay by the same share,
-/// which keeps joints and contacts. Returns false, and stays, where they have too little.
-bool Flight::follow_all(const State& free, const std::vector<Twist>& way, double most, State& state) {
-  const State before = state;
-  const bool closed = motion_.displace(way, state).size <= mendable;
-  const double fast = kinetic_energy(motion_.mechanism(), state), owed = gained(free, state) - most;
-  if (closed && owed < fast) {
-    const double share = owed > 0 ? std::sqrt(1 - owed / fast) : 1;
-    for (std::size_t i = 0; i < state.size(); ++i) {
-      if (motion_.mechanism().bodies[i].inverse_mass > 0) {
-        state[i].twist = {share * state[i].twist.linear, share * state[i].twist.angular};
-      }
-    }
-    return true;
   }
   state = before;
   return false;

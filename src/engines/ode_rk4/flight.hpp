@@ -87,9 +87,7 @@ class Flight {
   double gained(const State& from, const State& to) const;
   double gained(const State& from, const State& to, std::span<const Twist> by) const;
   State slowed(const State& still, const State& struck, double by) const;
-  bool move_out(Motion& motion, const State& free, std::span<const Twist> way, double most, State& state,
-                std::span<const Twist> paid = {});
-  bool follow_all(const State& free, const std::vector<Twist>& way, double most, State& state);
+  bool move_out(Motion& motion, const State& free, std::span<const Twist> way, double most, State& state);
   void bounce_elastic(Motion& motion, const Impact& impact, std::vector<Contact>& contacts, double h, State& state);
 
   Motion& motion_;
