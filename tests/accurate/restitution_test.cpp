@@ -1,7 +1,7 @@
 // The laws of impact: energy never rises, elastic impacts keep it, nothing pulls, and no order of contacts matters. On
 // numbers alone, then on clusters of bodies that touch and meet.
 //
-//   restitution_test [CLUSTERS]   300, or 20000 of them, which take a quarter of an hour
+//   restitution_test [CLUSTERS [FIRST]]   300, or 20000 of them, which take a quarter of an hour; from the seed FIRST
 #include "engines/ode_rk4/restitution.hpp"
 
 #include <Eigen/Dense>
@@ -236,6 +236,7 @@ struct Counts {
   int impacts, lossy;
 };
 Counts check_cluster(unsigned seed) {
+  const int failures_before = failures;
   Random random(seed);
   World world(Vector3d::Zero());
   const Vector3d shift = random.vector(0.3);  // so that lattice places are rounded
@@ -289,12 +290,13 @@ Counts check_cluster(unsigned seed) {
     if (elastic) CHECK_BETWEEN(kinetic(world), energy * (1 - 1e-6), HUGE_VAL);
     CHECK_NEAR((world.momentum() - momentum).norm(), 0, 1e-11 * (1 + energy));
   }
+  if (failures > failures_before) std::printf("cluster %u: %d checks failed\n", seed, failures - failures_before);
   return {watched.impacts, watched.losses > 0 ? 1 : 0};
 }
 
-void check_clusters(unsigned count) {
+void check_clusters(unsigned count, unsigned first) {
   int impacts = 0, failed = 0, lossy = 0;
-  for (unsigned seed = 1; seed <= count; ++seed) {
+  for (unsigned seed = first; seed < first + count; ++seed) {
     try {
       const Counts counts = check_cluster(seed);
       impacts += counts.impacts;
@@ -362,16 +364,19 @@ void check_cradle() {
 
 }  // namespace
 
-/// `restitution_test 20000` does as many clusters, in five minutes.
 int main(int argc, char** argv) {
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // failures as they come
   const unsigned clusters = argc > 1 ? static_cast<unsigned>(std::atoi(argv[1])) : 300;
+  const unsigned first = argc > 2 ? static_cast<unsigned>(std::atoi(argv[2])) : 1;
   check_random_problems(std::max(3000U, clusters));
   check_rows();
   check_newton();
   check_cluster(10476);  // locked in between joints: once ended in an overlap that could not be pushed out
   // Elastic ones that lost energy once, where they rest or crowd.
   for (const unsigned seed : {4563U, 9723U, 13975U}) check_cluster(seed);
-  check_clusters(clusters);
+  check_cluster(2781);  // impulses that cancel each other once grew from step to step, and energy by their rounding
+  check_cluster(5593);  // energy once rose where it stood
+  check_clusters(clusters, first);
   for (const double e : {1.0, 0.95, 0.5}) {
     check_row_of_four(e, ImpactOrder::together);
     check_row_of_four(e, ImpactOrder::in_turn);

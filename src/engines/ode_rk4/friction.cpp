@@ -31,6 +31,9 @@ constexpr int most_rounds = 6, most_sweeps_in_turn = 20;
 // Of friction alone, after a bounce.
 constexpr int most_sweeps = 1000, most_sweeps_of_many = 20;
 constexpr Index many = 24;  // rows of friction
+// Change of a contact's speed by one impulse, of the fastest speed: what is left of such that cancel each other is
+// rounded to 1e-12 of it then.
+constexpr double largest = 1e4;
 
 /// As good as it gets: `last` is what was left a round before.
 bool done(double left, double last, double scale) {
@@ -273,9 +276,18 @@ VectorXd hold_in_turn(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbi
   return p;
 }
 
+/// Do impulses cancel each other so nearly that what is left of them is rounding?
+bool cancel(const MatrixXd& a, const VectorXd& v, const VectorXd& p) {
+  if (p.size() == 0) return false;
+  return !((a * p.asDiagonal()).cwiseAbs().maxCoeff() <= largest * v.cwiseAbs().maxCoeff());
+}
+
 }  // namespace
 
 VectorXd hold(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing, VectorXd p) {
+  // Where joints hold what contacts push, jammed impulses do not move anything: begun with what they were before, they
+  // would grow from step to step.
+  if (cancel(a, v, p)) p.setZero();
   if (v.size() <= most_rows) {
     AtOnce solver(a, v, rubbing);
     auto at_once = solver.solve(p, p);
@@ -298,7 +310,10 @@ VectorXd rub(const MatrixXd& a, const VectorXd& speeds, const Rubbing& rubbing, 
 }
 
 bool adds_energy(const MatrixXd& a, const VectorXd& v, const VectorXd& p) {
-  return !(p.dot(2 * v + a * p) <= rounding * p.cwiseAbs().dot(v.cwiseAbs()));
+  if (cancel(a, v, p)) return true;
+  const auto own = a.diagonal().array();                                      // 0: what joints lock
+  const double energy = (own > 0).select(v.array().square() / own, 0).sum();  // twice
+  return !(p.dot(2 * v + a * p) <= rounding / 10 * energy);
 }
 
 }  // namespace odeval::engine_rk4

@@ -32,7 +32,7 @@ Eigen::VectorXd hold(const Eigen::MatrixXd& a, const Eigen::VectorXd& v, const R
 Eigen::VectorXd rub(const Eigen::MatrixXd& a, const Eigen::VectorXd& speeds, const Rubbing& rubbing,
                     const Eigen::VectorXd& normal, Eigen::VectorXd p);
 
-/// Beyond rounding.
+/// Beyond rounding, or perhaps: of impulses that cancel each other so nearly that nobody knows.
 bool adds_energy(const Eigen::MatrixXd& a, const Eigen::VectorXd& v, const Eigen::VectorXd& p);
 
 }  // namespace odeval::engine_rk4
