@@ -79,7 +79,11 @@ void check_panel(const std::string& figure, const report::Panel& panel) {
   if (panel.x_label.empty() || panel.y_label.empty()) fail("an axis without a label");
   if (panel.shade && panel.shade->why.empty()) fail("a shade without a reason");
   for (const report::Series& series : panel.series) {
-    if (series.label.empty()) fail("a series without a label");
+    const auto named = [&](const report::Series& other) {
+      return !other.label.empty() && other.colour == series.colour;
+    };
+    const bool law_of_points = series.dashed && std::ranges::any_of(panel.series, named);
+    if (series.label.empty() && !law_of_points) fail("a series without a label");
     if (series.x.size() != series.y.size()) fail(series.label + ": x and y of unlike length");
     bool drawn = false;
     for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i) {
@@ -203,9 +207,9 @@ constexpr Band bands[] = {
     {"answer.tumbling_step", 0.02, 0.02},
     {"answer.motor_step", 20, 20},
     {"answer.motor_default_step", 2, 2},
-    {"answer.error_1s", 4.64, 4.73},               // 4.69 mrad
-    {"answer.lost_at", 5.89, 5.93},                // 5.908 s
-    {"answer.energy_drift", 0.0363, 0.0377},       // 0.0370 J
+    {"answer.error", 4.67, 4.77},                  // 4.72 mrad, with ODE's own CFM of 1e-10
+    {"answer.lost_at", 5.95, 5.99},                // 5.968 s
+    {"answer.energy_drift", 0.0585, 0.0608},       // 0.0596 J
     {"answer.single_ratio", 0.99, 1.01},           // 0.9992: steps large beside rounding
     {"C8a.fluctuation_over_ode45", 0.174, 0.213},  // 0.194
     {"C8a.fluctuation_over_euler", 0.215, 0.262},  // 0.239
@@ -334,7 +338,7 @@ int main(int argc, char** argv) {
     const auto check = [](const report::Document& document, const Findings& findings) {
       Page page{document.sections, findings};
       page.sections.push_back(document.front.at(0));  // the answer, which is an experiment as well
-      CHECK_EQUAL(page.sections.size(), experiments::experiments().size());
+      CHECK_EQUAL(page.sections.size(), experiments::experiments().size() + 1);  // ODE's releases side by side
       print(findings);
       check_parts(page);
       check_claims(page);
