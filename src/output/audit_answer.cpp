@@ -193,11 +193,12 @@ namespace {
 std::string work_line(const Answer& answer) {
   const audit::Work& work = answer.work;
   const double of_step = answer.energy.end_J - answer.energy.begin_J - work.sum();
-  const std::array<std::pair<const char*, double>, 6> parts{{{"added forces", work.added},
+  const std::array<std::pair<const char*, double>, 7> parts{{{"added forces", work.added},
                                                              {"motors", work.motors},
                                                              {"joints", work.joints},
                                                              {"contacts", work.contacts},
                                                              {"damping", work.damping},
+                                                             {"the program's own changes", work.program},
                                                              {"the step's own", of_step}}};
   double largest = 1e-12;  // J: that no one asks for
   for (const auto& [name, value] : parts) largest = std::max(largest, std::fabs(value));
@@ -267,6 +268,7 @@ void add_ledger(const Answer& answer, Json& json) {
                   {"joints", json_number(work.joints)},
                   {"contacts", json_number(work.contacts)},
                   {"damping", json_number(work.damping)},
+                  {"program", json_number(work.program)},
                   {"step", json_number(answer.energy.end_J - answer.energy.begin_J - work.sum())}};
   json["joint_list"] = Json::array();
   json["contact_list"] = Json::array();
@@ -483,16 +485,15 @@ std::string audit_json(const Answer& answer) {
 
 AuditSteps::AuditSteps(const std::filesystem::path& file) : file_(file) {
   file_.write(
-      "world,t,kinetic,potential,energy,work_added,work_motors,work_joints,work_contacts,work_damping,gap,contacts,"
-      "depth,"
-      "messages\n");
+      "world,t,kinetic,potential,energy,work_added,work_motors,work_joints,work_contacts,work_damping,"
+      "work_program,gap,contacts,depth,messages\n");
 }
 
 void AuditSteps::add(const audit::StepRow& row) {
   const audit::Work& work = row.work;
   std::string line = std::to_string(row.world);
   for (const double value : {row.t_s, row.kinetic_J, row.potential_J, row.kinetic_J + row.potential_J, work.added,
-                             work.motors, work.joints, work.contacts, work.damping, row.gap_m}) {
+                             work.motors, work.joints, work.contacts, work.damping, work.program, row.gap_m}) {
     line += ',' + number_text(value);
   }
   file_.write(fmt::format("{},{},{},{}\n", line, row.contacts, number_text(row.depth_m), row.messages));

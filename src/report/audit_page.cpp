@@ -177,7 +177,8 @@ constexpr WorkRow works[] = {{"forces that the program adds", &Work::added},
                              {"motors and stops", &Work::motors},
                              {"joints", &Work::joints},
                              {"contacts", &Work::contacts},
-                             {"damping", &Work::damping}};
+                             {"damping", &Work::damping},
+                             {"the program's own changes", &Work::program}};
 
 Content energy(const Answer& answer) {
   using Point = audit::EnergyPoint;

@@ -240,6 +240,7 @@ int Session::whole(World& world, dReal h, Stepper stepper) {
   std::optional<Ledger::Step> step;
   if (ledger_ && record_.head() != nullptr) {
     ledger_->draw(world);
+    world.work.program += energy_of(world).sum() - world.energy;
     step.emplace(*ledger_, world);
   }
   const double begun_s = steady_s();
