@@ -294,7 +294,8 @@ class Audit {
       const Recording run(scratch_.record(number));
       if (run.has(audit::single_precision))
         return "its ODE is single precision, and the audit follows double precision only";
-      if (run.has(audit::several_threads)) return "it steps from several threads, and the audit follows one";
+      if (run.has(audit::several_threads))
+        return "several of its threads step, collide or make bodies, and the audit follows one";
       if (run.had_no_room() && answer.h_s == 0) return "there is no room on the disk for its record";
     }
     if (answer.diverged && answer.diverged->step <= 1) {
