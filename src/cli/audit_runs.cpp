@@ -245,6 +245,10 @@ class Audit {
     if (answer.stepper == "dWorldStep" && (is("iterations") || is("w"))) {
       return "the program takes dWorldStep, and only dWorldQuickStep has it";
     }
+    const std::string_view own = answer.stepper == "dWorldStep"        ? "stepper=step"
+                                 : answer.stepper == "dWorldQuickStep" ? "stepper=quick"
+                                                                       : "";
+    if (set == own) return fmt::format("the program takes {} as it is", answer.stepper);
     if (answer.contacts == 0 && (is("max_correcting_vel") || is("surface_layer"))) return "the program has no contacts";
     if (answer.contacts == 0 && answer.joints == 0 && (is("erp") || is("cfm"))) {
       return "the program has no joints and no contacts";
