@@ -1,8 +1,5 @@
 #include "catalogue/foreign_trace.hpp"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <utility>
 
@@ -10,6 +7,15 @@
 #include "odeval/error.hpp"
 
 namespace odeval::catalogue {
+namespace {
+
+std::string joined(const std::vector<std::string>& words, const std::string& by) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : by) + word;
+  return text;
+}
+
+}  // namespace
 
 /// Quantities that are taken from the same columns.
 struct ForeignTrace::Need {
@@ -28,8 +34,8 @@ struct ForeignTrace::Need {
       const bool matrix = column.starts_with("r");
       cells.push_back(whole_trace                 ? column
                       : !trace.body_names.empty() ? trace.body_names[i] + "." + column
-                      : matrix                    ? fmt::format("r{}{}", i + 1, column.substr(1))
-                                                  : fmt::format("{}{}", column, i + 1));
+                      : matrix                    ? "r" + std::to_string(i + 1) + column.substr(1)
+                                                  : column + std::to_string(i + 1));
     }
     return cells;
   }
@@ -61,11 +67,11 @@ void keep(std::vector<Item>& items, const std::vector<std::size_t>& numbers, std
 }
 
 std::string names_of(const std::vector<quantity::Id>& ids) {
-  std::vector<std::string_view> names;
+  std::vector<std::string> names;
   for (const quantity::Id id : ids) {
-    if (quantities[id].scope != Scope::reference) names.push_back(quantities[id].name);
+    if (quantities[id].scope != Scope::reference) names.emplace_back(quantities[id].name);
   }
-  return fmt::format("{}", fmt::join(names, ", "));
+  return joined(names, ", ");
 }
 
 std::vector<std::string> along_axes(const std::string& name) { return {name + "x", name + "y", name + "z"}; }
@@ -151,11 +157,11 @@ ForeignTrace::ForeignTrace(Trace trace, Evaluator& evaluator, const std::string&
   std::vector<std::string> columns;
   for (const Need& need : needs_of(scenario, reference)) {
     take(need, trace, reference);
-    columns.push_back(fmt::format("{}", fmt::join(need.cells(trace, 0), ", ")));
+    columns.push_back(joined(need.cells(trace, 0), ", "));
   }
   if (!parts_.empty()) return;
-  throw UserError(fmt::format("{}: has no column that '{}' is judged by: must have {}", name, scenario.name,
-                              fmt::join(columns, ", or ")));
+  throw UserError(name + ": has no column that '" + scenario.name + "' is judged by: must have " +
+                  joined(columns, ", or "));
 }
 
 void ForeignTrace::take(const Need& need, const Trace& trace, const Reference& reference) {
@@ -166,9 +172,8 @@ void ForeignTrace::take(const Need& need, const Trace& trace, const Reference& r
   for (std::size_t i = 0; i < all; ++i) (need.has(trace, i) ? there : missing).push_back(i);
   if (!missing.empty()) {
     const bool some = !there.empty() && !need.all_or_none;
-    untold_.push_back(fmt::format("{} ({} {}{})", names_of(need.ids), some ? "told without" : "needs",
-                                  fmt::join(need.cells(trace, missing.front()), ", "),
-                                  missing.size() > 1 ? " and so on" : ""));
+    untold_.push_back(names_of(need.ids) + (some ? " (told without " : " (needs ") +
+                      joined(need.cells(trace, missing.front()), ", ") + (missing.size() > 1 ? " and so on)" : ")"));
   }
   if (there.empty() || (need.all_or_none && !missing.empty())) return;
   Part part{trace, reference, need.ids};
