@@ -104,8 +104,9 @@ struct Work {
   double joints = 0;    // by what holds their bodies together
   double contacts = 0;  // friction and all
   double damping = 0;   // of dWorldSetLinearDamping and the like
+  double program = 0;   // what the energy changes by between steps: bodies that it makes, removes, moves, speeds up
 
-  double sum() const { return added + motors + joints + contacts + damping; }
+  double sum() const { return added + motors + joints + contacts + damping + program; }
 };
 
 /// How far the halves of a joint were apart at most.

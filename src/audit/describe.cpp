@@ -14,7 +14,8 @@ namespace odeval::audit {
 namespace {
 
 Work work_of(const Frame& frame) {
-  return {frame.work_added, frame.work_motors, frame.work_joints, frame.work_contacts, frame.work_damping};
+  return {frame.work_added,    frame.work_motors,  frame.work_joints,
+          frame.work_contacts, frame.work_damping, frame.work_program};
 }
 
 /// Of ODE's kinds of joints, in their order.
@@ -86,6 +87,7 @@ EnergyPoint sum_of(const std::map<std::uint32_t, EnergyPoint>& worlds, const Fra
     sum.work.joints += world.work.joints;
     sum.work.contacts += world.work.contacts;
     sum.work.damping += world.work.damping;
+    sum.work.program += world.work.program;
   }
   return sum;
 }
@@ -104,11 +106,14 @@ void read_names(const std::string& file, Answer& answer) {
 std::optional<Parting> parting(const std::filesystem::path& one, const std::filesystem::path& other) {
   Recording a(one);
   Recording b(other);
-  for (std::uint64_t step = 0;; ++step) {
+  for (;;) {
     const auto ours = a.next();
     const auto theirs = b.next();
     if (!ours && !theirs) return std::nullopt;
-    if (!ours || !theirs) return Parting{step, (ours ? ours : theirs)->frame.t, 0};
+    if (!ours || !theirs) {
+      const Frame& last = (ours ? ours : theirs)->frame;
+      return Parting{last.step, last.t, 0};
+    }
     if (!same_bodies(*ours, *theirs)) return Parting{ours->frame.step, ours->frame.t, 0};
     for (std::size_t i = 0; i < ours->bodies.size(); ++i) {
       if (std::memcmp(&ours->bodies[i], &theirs->bodies[i], sizeof(BodySample)) == 0) continue;

@@ -21,7 +21,9 @@ std::string wrong_try(const std::string& text) {
   std::vector<std::string> keys;
   for (const auto& row : audit::environment::tries) {
     keys.emplace_back(row.key);
-    if (sign == std::string::npos || text.substr(0, sign) != row.key) continue;
+    if (text.substr(0, sign) != row.key) continue;
+    if (sign == std::string::npos || sign + 1 == text.size())
+      return fmt::format("{} has no value: must be {}=V", row.key, row.key);
     const std::string value = text.substr(sign + 1);
     if (*row.words == 0) {
       const std::string wrong = row.whole
@@ -30,7 +32,7 @@ std::string wrong_try(const std::string& text) {
       return wrong.empty() ? "" : fmt::format("{} {}", row.key, wrong);
     }
     const std::string words = std::string(",") + row.words + ",";
-    return words.find("," + value + ",") != std::string::npos && !value.empty()
+    return words.find("," + value + ",") != std::string::npos
                ? ""
                : fmt::format("{} must be one of {}, not {}", row.key, row.words, value);
   }

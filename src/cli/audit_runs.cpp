@@ -245,6 +245,10 @@ class Audit {
     if (answer.stepper == "dWorldStep" && (is("iterations") || is("w"))) {
       return "the program takes dWorldStep, and only dWorldQuickStep has it";
     }
+    const std::string_view own = answer.stepper == "dWorldStep"        ? "stepper=step"
+                                 : answer.stepper == "dWorldQuickStep" ? "stepper=quick"
+                                                                       : "";
+    if (set == own) return fmt::format("the program takes {} as it is", answer.stepper);
     if (answer.contacts == 0 && (is("max_correcting_vel") || is("surface_layer"))) return "the program has no contacts";
     if (answer.contacts == 0 && answer.joints == 0 && (is("erp") || is("cfm"))) {
       return "the program has no joints and no contacts";
@@ -294,7 +298,8 @@ class Audit {
       const Recording run(scratch_.record(number));
       if (run.has(audit::single_precision))
         return "its ODE is single precision, and the audit follows double precision only";
-      if (run.has(audit::several_threads)) return "it steps from several threads, and the audit follows one";
+      if (run.has(audit::several_threads))
+        return "several of its threads step, collide or make bodies, and the audit follows one";
       if (run.had_no_room() && answer.h_s == 0) return "there is no room on the disk for its record";
     }
     if (answer.diverged && answer.diverged->step <= 1) {

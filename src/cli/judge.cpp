@@ -46,6 +46,48 @@ CsvColumns read_numbers(const std::string& file) {
   return columns;
 }
 
+/// The columns of the file with a place for each angle and body of the scenario, in its order: an empty column where
+/// the file has none.
+CsvColumns with_places(const CsvColumns& file, const Scenario& scenario) {
+  CsvColumns all;
+  const auto column = [&file](const std::string& cell) {
+    const auto found = std::ranges::find(file.header, cell);
+    return found == file.header.end() ? Column() : file.columns[static_cast<std::size_t>(found - file.header.begin())];
+  };
+  const auto place = [&](const std::string& cell) {
+    if (std::ranges::find(all.header, cell) != all.header.end()) return;
+    all.header.push_back(cell);
+    all.columns.push_back(column(cell));
+  };
+  const std::size_t angles = scenario.planar ? scenario.planar->links.size() : 0;
+  for (std::size_t i = 1; i <= angles; ++i) place(fmt::format("q{}", i));
+  for (std::size_t i = 1; i <= angles; ++i) place(fmt::format("qd{}", i));
+  for (std::size_t i = 1; i <= angles; ++i) place(fmt::format("x{}", i));
+  for (std::size_t i = 1; angles == 0 && i <= scenario.mechanism.bodies.size(); ++i) {
+    place(scenario.named ? scenario.mechanism.bodies[i - 1].name + ".x" : fmt::format("x{}", i));
+  }
+  const Column energy = column("energy");  // as good as both its parts
+  if (!energy.empty() && (column("kinetic").empty() || column("potential").empty())) {
+    all.header.insert(all.header.end(), {"kinetic", "potential"});
+    all.columns.insert(all.columns.end(), {energy, Column(energy.size())});
+  }
+  for (const std::string& cell : file.header) place(cell);
+  return all;
+}
+
+/// A scenario has no more angles and bodies than it has places for.
+void refuse_others(const Trace& trace, const Scenario& scenario, const std::string& file) {
+  const std::size_t angles = scenario.planar ? scenario.planar->links.size() : 0;
+  const std::size_t bodies = scenario.planar ? angles : scenario.mechanism.bodies.size();
+  const auto refuse = [&](std::size_t has, std::size_t wanted, const char* one, const char* many) {
+    if (has <= wanted) return;
+    throw UserError(fmt::format("{}: has columns of {} {}; '{}' has {}", file, has, has == 1 ? one : many,
+                                scenario.name, wanted == 0 ? "none" : std::to_string(wanted)));
+  };
+  refuse(trace.q.size(), angles, "angle", "angles");
+  refuse(trace.bodies.size(), bodies, "body", "bodies");
+}
+
 void tell_of_unknown(const CsvColumns& columns, const std::string& file) {
   std::vector<std::string> unknown;
   for (const std::string& cell : columns.header) {
@@ -68,19 +110,41 @@ std::vector<double> times_within(double end) {
 
 int beside_reference(const Options& options) {
   const CsvColumns columns = read_numbers(options.trace);
-  Trace trace = trace_of(columns);
-  const double dt = spacing(trace.t, options.trace);
-  const double end = dt * static_cast<double>(trace.rows() - 1);
-  catalogue::Evaluator evaluator = evaluator_at(options.scenario, options.settings, dt, trace.rows(), options.trace);
+  const std::size_t rows = columns.columns.front().size();
+  const double dt = spacing(trace_of(columns).t, options.trace);
+  const double end = dt * static_cast<double>(rows - 1);
+  catalogue::Evaluator evaluator = evaluator_at(options.scenario, options.settings, dt, rows, options.trace);
+  Trace trace = trace_of(with_places(columns, evaluator.scenario()));
+  refuse_others(trace, evaluator.scenario(), options.trace);
   const SampleGrid& grid = evaluator.grid();
-  for (std::size_t row = 0; row < trace.rows(); ++row) trace.t[row] = grid.time(static_cast<long>(row));
-  catalogue::ForeignTrace foreign(std::move(trace), evaluator, options.trace);
+  for (std::size_t row = 0; row < rows; ++row) trace.t[row] = grid.time(static_cast<long>(row));
+  const catalogue::ForeignTrace foreign(std::move(trace), evaluator, options.trace);
   tell_of_unknown(columns, options.trace);
+  if (!foreign.untold().empty()) {
+    std::cerr << fmt::format("odeval: {}: not told in full: {}\n", options.trace, fmt::join(foreign.untold(), "; "));
+  }
   std::vector<Metrics> metrics;
   for (const double until : times_within(end)) metrics.push_back(foreign.measure(until));
   std::cout << (options.json ? judgement_json(metrics) : judgement_table(metrics));
   if (!options.json) std::cout << "\nreference  " << evaluator.reference().origin << '\n';
   return 0;
+}
+
+/// Columns that one file alone has.
+void tell_of_uncompared(const CsvColumns& whole, const CsvColumns& half, const Options& options) {
+  const auto tell = [](const CsvColumns& of, const std::string& file, const CsvColumns& other) {
+    std::vector<std::string> alone;
+    for (const std::string& cell : of.header) {
+      const bool in_both = std::ranges::find(other.header, cell) != other.header.end();
+      if (!in_both && trace_column_of(cell) != nullptr) alone.push_back(cell);
+    }
+    if (alone.empty()) return;
+    std::cerr << fmt::format("odeval: {} alone has {}: not compared\n", file, fmt::join(alone, ", "));
+  };
+  tell_of_unknown(whole, options.trace);
+  tell_of_unknown(half, options.against);
+  tell(whole, options.trace, half);
+  tell(half, options.against, whole);
 }
 
 int beside_half_the_step(const Options& options) {
@@ -104,6 +168,7 @@ int beside_half_the_step(const Options& options) {
   const std::vector<TraceDifference> differences =
       differences_of(whole, half, every, times_within(dt * static_cast<double>(rows - 1)));
   if (differences.empty()) throw UserError(options.against + ": has no column of " + options.trace);
+  tell_of_uncompared(whole, half, options);
   std::cout << (options.json ? differences_json(differences) : differences_table(differences));
   return 0;
 }

@@ -375,6 +375,19 @@ void plain_impact(Laboratory& laboratory, Findings& findings) {
   const Scenario& scenario = wall.scenario();
   const catalogue::Evaluation run = wall.evaluate(*available(direct), defaults(scenario));
   const Metrics metrics = wall.measure(run, scenario.duration_s);
+  double least = INFINITY;
+  double most = 0;
+  for (const double erp : erps) {
+    for (const double cfm : cfms) {
+      OdeSettings ode = scenario.ode;
+      ode.erp = erp;
+      ode.cfm = cfm;
+      const catalogue::Evaluation other = wall.evaluate(*available(direct), ode);
+      const double error = wall.measure(other, scenario.duration_s)[quantity::max_impact_error].value_or(NAN);
+      least = std::min(least, error);
+      most = std::isnan(error) ? error : std::max(most, error);
+    }
+  }
   const std::string about = fmt::format(", link against a wall with ODE's defaults until {} s, h = {} s",
                                         shown(scenario.duration_s), shown(scenario.step_s));
   findings.add("answer.impact_error", measured("largest error of an impact's time" + about, "ms",
@@ -383,6 +396,10 @@ void plain_impact(Laboratory& laboratory, Findings& findings) {
   findings.add("answer.impact_angle",
                measured("largest angle error" + about, "mrad", 1e3 * metrics[quantity::max_error_q].value_or(NAN),
                         1e3 * metrics[quantity::reference_uncertainty].value_or(NAN)));
+  findings.add("answer.impact_by_settings",
+               measured(fmt::format("by how much {} values of ERP and {} of CFM change that", erps.size(), cfms.size()),
+                        "ms", 1e3 * (most - least)));
+  findings.add("answer.wall_step", measured("step of the sentence on impacts", "ms", 1e3 * scenario.step_s));
   findings.add("answer.wall_until", measured("end of the sentence on impacts", "s", scenario.duration_s));
 }
 

@@ -214,7 +214,8 @@ Content chain(Laboratory& laboratory, Findings& findings) {
   findings.add("chain.quickstep_overtakes",
                overtakes ? measured(meaning, "", *overtakes) : unavailable(meaning, "", "not between 4 and 128 links"));
 
-  report::Table exponents{.name = "chain-exponents", .columns = {"method", "of", "p", "± (95 %)", "from n", "to n"}};
+  report::Table exponents{.name = "chain-exponents",
+                          .columns = {"method", "of", "p", "half width (95 %)", "from n", "to n"}};
   add_exponents(exponents, errors.errors);
   add_exponents(exponents, errors.conditions);
   add_exponents(exponents, costs.costs);

@@ -72,7 +72,7 @@ Cell order_cell(const std::vector<double>& values) {
   for (std::size_t i = 0; i < values.size(); ++i) points.push_back({steps_s[i], values[i], 0});
   const auto order = observed_order(points, INFINITY);
   if (!order) return Missing{"generalized coordinates have no gap"};
-  return fmt::format("{:.2f} ± {:.2f}", order->order, order->half_width);
+  return shown(known_by(report::Source::fit, measured("", "", order->order, order->half_width)));
 }
 
 /// The error over ERP, beside the methods that have none.

@@ -121,8 +121,8 @@ Content friction(Laboratory& laboratory, Findings& findings) {
   Panel turns{.x_label = "direction of the slide, degrees", .y_label = "turned aside, degrees"};
   double straight = NAN;
   double diagonal = NAN;
-  double uncertainty = 0;
   double off_the_cone = 0;  // m
+  double uncertainty = 0;   // m, of the reference there
   for (const Case& how : cases) {
     const bool pyramid = how.model == FrictionModel::pyramid && how.axes == FrictionAxes::plane_space;
     report::Series way{
@@ -140,20 +140,21 @@ Content friction(Laboratory& laboratory, Findings& findings) {
       if (&how == &cases[0] && direction == 45) {
         diagonal = slid.way;
         findings.add("friction.stop_at_45",
-                     measured("time to a stop at 45 degrees to the axes of the pyramid over Coulomb's", "",
-                              slid.stops_s / slid.true_stops_s, scenario.step_s / slid.true_stops_s));
+                     known_by(report::Source::step,
+                              measured("time to a stop at 45 degrees to the axes of the pyramid over Coulomb's", "",
+                                       slid.stops_s / slid.true_stops_s, scenario.step_s / slid.true_stops_s)));
       }
+      if (how.method != fourth_order) continue;
+      off_the_cone = std::max(off_the_cone, slid.error);
       uncertainty = std::max(uncertainty, slid.uncertainty);
-      if (how.method == fourth_order) off_the_cone = std::max(off_the_cone, slid.error);
     }
     ways.series.push_back(std::move(way));
     turns.series.push_back(std::move(turned));
   }
-  findings.add(
-      "C14.anisotropy",
-      measured("friction of the pyramid at 45 degrees to its axes over that along one, less 1", "",
-               straight / diagonal - 1, straight / diagonal * (uncertainty / straight + uncertainty / diagonal)));
-
+  // Of two of ODE's own ways: no reference has a part in it.
+  findings.add("C14.anisotropy",
+               measured("friction of the pyramid at 45 degrees to its axes over that along one, less 1", "",
+                        straight / diagonal - 1));
   findings.add("friction.cone_error",
                measured("largest distance of ode-rk4-double from Coulomb's motion, over all directions", "m",
                         off_the_cone, uncertainty));

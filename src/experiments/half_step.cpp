@@ -235,8 +235,8 @@ Content half_step(Laboratory& laboratory, Findings& findings) {
                                    "error after the shift, rad", "error with the half-step start, rad",
                                    "gain of the half-step start", "uncertainty of the reference, rad"}};
   report::Table orders{.name = "half-step-order",
-                       .columns = {"motion", "as given", "± (as given)", "after the best shift", "± (after the shift)",
-                                   "half-step start", "± (half-step start)"}};
+                       .columns = {"motion", "as given", "half width (as given)", "after the best shift",
+                                   "half width (after the shift)", "half-step start", "half width (half-step start)"}};
   Figure figure{.name = "half-step-figure", .columns = 2};
   std::vector<report::Values> gains;
   for (const Case& which : cases) {

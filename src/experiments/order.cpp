@@ -116,10 +116,10 @@ void add_cells(std::vector<Cell>& row, const std::optional<ObservedOrder>& obser
 report::Table orders(const std::vector<Measured>& all) {
   report::Table table{
       .name = "order",
-      .columns = {"method", "order by design", "observed", "± (95 %)", "from h, s", "to h, s", "points"}};
+      .columns = {"method", "order by design", "observed", "half width (95 %)", "from h, s", "to h, s", "points"}};
   for (const Range& range : ranges) {
     table.columns.push_back(fmt::format("all points, {}", range.label));
-    table.columns.push_back(fmt::format("± ({})", range.label));
+    table.columns.push_back(fmt::format("half width ({})", range.label));
   }
   for (const Measured& one : all) {
     const std::string name(one.method->name);

@@ -76,8 +76,9 @@ Column squeeze_of(const Trace& trace) {
 Content orientation(Laboratory& laboratory, Findings& findings) {
   const reference::Precession motion;
   const std::vector<Cost> cost = costs();
-  report::Table table{.name = "orientation",
-                      .columns = {"orientation kept as", "not orthonormal by", "off by, rad", "ns a step", "± ns"}};
+  report::Table table{
+      .name = "orientation",
+      .columns = {"orientation kept as", "not orthonormal by", "off by, rad", "ns a step", "deviation, ns"}};
   report::Panel squeeze{.x_label = "t, s", .y_label = "not orthonormal by", .log_y = true};
   report::Panel error{.x_label = "t, s", .y_label = "off by, rad", .log_y = true};
   double worst[std::size(ways)];

@@ -148,8 +148,9 @@ Content spring_joint(Laboratory& laboratory, Findings& findings) {
   report::Table errors{.name = "spring-joint",
                        .columns = {"damping", "h, s", "ERP", "CFM", "largest distance, m",
                                    "largest error of the joint's force, N", "uncertainty of the closed form, m"}};
-  report::Table orders{.name = "spring-joint-order",
-                       .columns = {"damping", "of the position", "± (position)", "of the joint's force", "± (force)"}};
+  report::Table orders{
+      .name = "spring-joint-order",
+      .columns = {"damping", "of the position", "half width (position)", "of the joint's force", "half width (force)"}};
   report::Figure figure{.name = "spring-joint-figure", .columns = 2};
   Panel gaps{.title = "gap, no gravity", .x_label = "step", .y_label = "gap, m", .log_y = true};
 

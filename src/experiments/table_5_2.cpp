@@ -47,7 +47,7 @@ report::Table side_by_side(const std::vector<TimingRow>& timed) {
   constexpr const char* not_timed = "not timed in this build";
   report::Table table{.name = "table-5-2",
                       .columns = {"case", "equations", "solver", "steps 2010", "2010, s", "2010, times ODE",
-                                  "method now", "steps now", "now, ms", "± ms", "now, times ODE"}};
+                                  "method now", "steps now", "now, ms", "deviation, ms", "now, times ODE"}};
   for (const Table52Row& row : rows) {
     std::vector<Cell> cells{row.number ? Cell(fmt::format("{}", *row.number)) : Cell(std::string("-")), row.equations,
                             row.solver};
@@ -67,9 +67,10 @@ report::Table side_by_side(const std::vector<TimingRow>& timed) {
 report::Table equal_error(const Scenario& file) {
   const catalogue::Accuracy accuracy(file, until_s);
   const auto rows = catalogue::at_equal_error(accuracy, file.name, methods_of_table(), {max_error_rad, 5, most_steps});
-  report::Table table{.name = "equal-error",
-                      .columns = {"method", "made accurate by", "setting", "error, rad",
-                                  "the reference's uncertainty, rad", "steps", "evaluations", "CPU time, ms", "± ms"}};
+  report::Table table{
+      .name = "equal-error",
+      .columns = {"method", "made accurate by", "setting", "error, rad", "the reference's uncertainty, rad", "steps",
+                  "evaluations", "CPU time, ms", "deviation, ms"}};
   for (const EqualErrorRow& row : rows) {
     const Missing why{"not reached: " + row.why_not};
     const bool reached = row.why_not.empty();

@@ -167,7 +167,7 @@ Content work_precision(Laboratory& laboratory, Findings&) {
       {direct, fmt::format("ode-step-double, half-step start, ERP {}", best_erp), Start::half_step, best_erp});
   report::Table table{.name = "work-precision",
                       .columns = {"until, s", "method", "setting", "error, rad", "the reference's uncertainty, rad",
-                                  "steps", "evaluations", "CPU time, ms", "± ms"}};
+                                  "steps", "evaluations", "CPU time, ms", "deviation, ms"}};
   report::Figure figure{.name = "work-precision-figure", .columns = 2};
   for (const double until_s : untils_s) {
     const Diagram diagram = measure(file, lines, until_s);

@@ -65,10 +65,21 @@ const char* convergence_word(Convergence convergence) {
   return "none";
 }
 
+bool only_bounded(const Estimate& error) {
+  return error.convergence == Convergence::rough && error.uncertainty >= error.value;
+}
+
+std::string most_text(const Estimate& error) {
+  const double most = error.value + error.uncertainty;
+  const double digit = std::pow(10.0, std::floor(std::log10(most)) - 1);  // the second
+  return fmt::format("{:.2g}", std::ceil(most / digit * (1 - 1e-12)) * digit);
+}
+
 namespace {
 
 std::string error_cell(const Estimate& error) {
   if (error.convergence == Convergence::none) return "no limit";
+  if (only_bounded(error)) return "at most " + most_text(error);
   return with_uncertainty(error.value, error.uncertainty);
 }
 
@@ -125,15 +136,26 @@ bool has_limit(const Answer& answer) {
   return !answer.error_at.empty() && answer.error_at[answer.tried_at].convergence() != Convergence::none;
 }
 
+/// Of the refinements.
+int finest(const Answer& answer) {
+  return std::ranges::max_element(answer.runs, {}, &audit::ProgramRun::refinement)->refinement;
+}
+
 std::string steps_line(const Answer& answer) {
   if (!has_limit(answer)) return "none is told, nor what other settings leave: there is no limit to hold them against";
   std::vector<std::string> words;
+  std::vector<std::string> finer;  // distances that no run is known to keep
   for (const audit::StepFor& one : answer.steps_for) {
     const std::string distance = one.distance_m < 9e-3 ? "1 mm" : one.distance_m < 9e-2 ? "1 cm" : "10 cm";
-    const std::string step = !one.h_s                 ? "not to be told, or smaller than was tried"
-                             : *one.h_s >= answer.h_s ? "this one"
-                                                      : fmt::format("{:.2g} s", *one.h_s);
-    words.push_back(fmt::format("{}: {}", distance, step));
+    if (!one.h_s) {
+      finer.push_back(distance);
+    } else {
+      words.push_back(distance + ": " + (*one.h_s >= answer.h_s ? "this one" : fmt::format("{:.2g} s", *one.h_s)));
+    }
+  }
+  if (!finer.empty()) {
+    words.insert(words.begin(), fmt::format("{}: none down to {:.2g} s is known to keep it", fmt::join(finer, ", of "),
+                                            answer.h_s / finest(answer)));
   }
   return fmt::format("for an error until {:.3g} s of {}", answer.steps_for_t_s, fmt::join(words, ", of "));
 }
@@ -151,7 +173,8 @@ const audit::Tried* cheapest(const Answer& answer) {
   return best;
 }
 
-/// The best of what was tried, and all that the user asked for, beside the program's own.
+/// The best of what was tried, and all that the user asked for, beside the program's own; what changes nothing in a
+/// clause.
 std::string tried_line(const Answer& answer) {
   std::vector<const audit::Tried*> order;
   for (const audit::Tried& one : answer.tried) {
@@ -162,15 +185,24 @@ std::string tried_line(const Answer& answer) {
   std::ranges::stable_sort(order, [&](const audit::Tried* a, const audit::Tried* b) {
     return ended(a) || ended(b) ? ended(a) < ended(b) : error(a) < error(b);
   });
-  std::vector<std::string> words;
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    if (i >= most_tried && !order[i]->asked) continue;
-    words.push_back(order[i]->set +
-                    (ended(order[i]) ? ": has ended before" : fmt::format(": {:.3g} m", error(order[i]))));
+  if (order.empty() || !has_limit(answer)) return "";
+  const auto shown = [](const Estimate& its) {
+    return (only_bounded(its) ? "at most " + most_text(its) : fmt::format("{:.3g}", its.value)) + " m";
+  };
+  const std::string own = shown(answer.error_at[answer.tried_at].distance_m);
+  std::vector<std::string> words{fmt::format("until {:.3g} s as it is: {}", answer.steps_for_t_s, own)};
+  std::vector<std::string> same;
+  std::size_t told = 0;
+  for (const audit::Tried* one : order) {
+    const std::string text = ended(one) ? "has ended before" : shown(one->distance_m[answer.tried_at]);
+    if (text == own && !one->asked) {
+      same.push_back(one->set);
+    } else if (told++ < most_tried || one->asked) {
+      words.push_back(one->set + ": " + text);
+    }
   }
-  if (words.empty() || !has_limit(answer)) return "";
-  std::string text = fmt::format("until {:.3g} s as it is: {:.3g} m, {}", answer.steps_for_t_s,
-                                 answer.error_at[answer.tried_at].distance_m.value, fmt::join(words, ", "));
+  std::string text = fmt::format("{}", fmt::join(words, ", "));
+  if (!same.empty()) text += fmt::format("; the same to three digits: {}", fmt::join(same, ", "));
   if (const audit::Tried* one = cheapest(answer)) {
     text += fmt::format("; {} keeps it at {:.2g} of the solver's work", one->set, one->work);
   }
@@ -193,11 +225,12 @@ namespace {
 std::string work_line(const Answer& answer) {
   const audit::Work& work = answer.work;
   const double of_step = answer.energy.end_J - answer.energy.begin_J - work.sum();
-  const std::array<std::pair<const char*, double>, 6> parts{{{"added forces", work.added},
+  const std::array<std::pair<const char*, double>, 7> parts{{{"added forces", work.added},
                                                              {"motors", work.motors},
                                                              {"joints", work.joints},
                                                              {"contacts", work.contacts},
                                                              {"damping", work.damping},
+                                                             {"the program's own changes", work.program},
                                                              {"the step's own", of_step}}};
   double largest = 1e-12;  // J: that no one asks for
   for (const auto& [name, value] : parts) largest = std::max(largest, std::fabs(value));
@@ -267,6 +300,7 @@ void add_ledger(const Answer& answer, Json& json) {
                   {"joints", json_number(work.joints)},
                   {"contacts", json_number(work.contacts)},
                   {"damping", json_number(work.damping)},
+                  {"program", json_number(work.program)},
                   {"step", json_number(answer.energy.end_J - answer.energy.begin_J - work.sum())}};
   json["joint_list"] = Json::array();
   json["contact_list"] = Json::array();
@@ -283,10 +317,10 @@ AuditLines audit_lines(const Answer& answer) {
     if (!what.empty()) lines.emplace_back(name, std::move(what));
   };
   if (!answer.reason.empty()) return lines;
-  const int finest = std::ranges::max_element(answer.runs, {}, &audit::ProgramRun::refinement)->refinement;
   line("error",
        fmt::format("largest distance of a body from where it would be at a step of 0 (steps to h/{}, {}{} held)",
-                   finest, answer.springs_held ? "springs" : "numbers", answer.contacts_held ? " and contacts" : ""));
+                   finest(answer), answer.springs_held ? "springs" : "numbers",
+                   answer.contacts_held ? " and contacts" : ""));
   line("motion", motion_line(answer));
   line("diverged", diverged_line(answer));
   line("verdict", verdict_line(answer));
@@ -314,11 +348,13 @@ namespace {
 Json json_of(const Estimate& error) {
   return {{"value", json_number(error.value)},
           {"uncertainty", json_number(error.uncertainty)},
+          {"only_bounded", only_bounded(error)},
           {"convergence", convergence_word(error.convergence)}};
 }
 void add_turn(Json& row, const Estimate& turn) {
   row["turn"] = json_number(turn.value);
   row["turn_uncertainty"] = json_number(turn.uncertainty);
+  row["turn_only_bounded"] = only_bounded(turn);
   row["turn_convergence"] = convergence_word(turn.convergence);
 }
 Json json_of(const std::optional<double>& number) { return number ? json_number(*number) : Json(); }
@@ -483,16 +519,15 @@ std::string audit_json(const Answer& answer) {
 
 AuditSteps::AuditSteps(const std::filesystem::path& file) : file_(file) {
   file_.write(
-      "world,t,kinetic,potential,energy,work_added,work_motors,work_joints,work_contacts,work_damping,gap,contacts,"
-      "depth,"
-      "messages\n");
+      "world,t,kinetic,potential,energy,work_added,work_motors,work_joints,work_contacts,work_damping,"
+      "work_program,gap,contacts,depth,messages\n");
 }
 
 void AuditSteps::add(const audit::StepRow& row) {
   const audit::Work& work = row.work;
   std::string line = std::to_string(row.world);
   for (const double value : {row.t_s, row.kinetic_J, row.potential_J, row.kinetic_J + row.potential_J, work.added,
-                             work.motors, work.joints, work.contacts, work.damping, row.gap_m}) {
+                             work.motors, work.joints, work.contacts, work.damping, work.program, row.gap_m}) {
     line += ',' + number_text(value);
   }
   file_.write(fmt::format("{},{},{},{}\n", line, row.contacts, number_text(row.depth_m), row.messages));

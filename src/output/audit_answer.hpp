@@ -18,6 +18,11 @@ std::string joint_name(const audit::Answer& answer, std::uint32_t joint);
 std::string audit_head(const audit::Answer& answer);
 const char* convergence_word(audit::Convergence convergence);
 
+/// Whether no more is known of an error than how large it can be: its uncertainty is as large as itself.
+bool only_bounded(const audit::Estimate& error);
+/// How large it can be, rounded up: "0.6".
+std::string most_text(const audit::Estimate& error);
+
 /// What there is to say besides the errors, each under its name: "motion", "step".
 using AuditLines = std::vector<std::pair<std::string, std::string>>;
 AuditLines audit_lines(const audit::Answer& answer);

@@ -54,11 +54,13 @@ int colour_of_run(std::size_t run) {
 Cell cell(const Estimate& error) {
   if (error.convergence == audit::Convergence::none) return Missing{"smaller steps do not bring the runs together"};
   if (std::isnan(error.value)) return Missing{"this run has ended before"};
+  if (only_bounded(error)) return "at most " + most_text(error);
   return error.value;
 }
 Cell uncertainty(const Estimate& error) {
   if (error.convergence == audit::Convergence::none) return Missing{"smaller steps do not bring the runs together"};
   if (std::isnan(error.value)) return Missing{"this run has ended before"};
+  if (only_bounded(error)) return Missing{"it is as large as the error, of which only the most is known"};
   return error.uncertainty;
 }
 
@@ -118,7 +120,7 @@ Table steps_for(const Answer& answer) {
   Table table{.name = "steps-for", .columns = {"error, m", "step, s"}};
   for (const audit::StepFor& one : answer.steps_for) {
     table.rows.push_back(
-        {one.distance_m, one.h_s ? Cell(*one.h_s) : Missing{"smaller than was tried, or not to be told"}});
+        {one.distance_m, one.h_s ? Cell(*one.h_s) : Missing{"none that was tried is known to keep it"}});
   }
   return table;
 }
@@ -177,7 +179,8 @@ constexpr WorkRow works[] = {{"forces that the program adds", &Work::added},
                              {"motors and stops", &Work::motors},
                              {"joints", &Work::joints},
                              {"contacts", &Work::contacts},
-                             {"damping", &Work::damping}};
+                             {"damping", &Work::damping},
+                             {"the program's own changes", &Work::program}};
 
 Content energy(const Answer& answer) {
   using Point = audit::EnergyPoint;
@@ -285,8 +288,9 @@ std::string lead(const Answer& answer) {
                        number(time(row.t_s)));
   }
   const Finding error{"", "m", row.distance_m.value, row.distance_m.uncertainty, ""};
+  const std::string most = only_bounded(row.distance_m) ? most_text(row.distance_m) + " m" : shown(error);
   std::string text = fmt::format("Until {} s {} is at most {} from where it would be at a step of 0.",
-                                 number(time(row.t_s)), body_name(answer, row.body), shown(error));
+                                 number(time(row.t_s)), body_name(answer, row.body), most);
   if (answer.diverged) {
     text += fmt::format(" From {} s on {} is no finite number.", number(answer.diverged->t_s),
                         body_name(answer, answer.diverged->body));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <regex>
 
+#include "output/audit_answer.hpp"
 #include "output/file.hpp"
 #include "report/audit_page.hpp"
 #include "report/gnuplot.hpp"
@@ -103,6 +104,34 @@ void leaves_out_what_there_is_none_of() {
   CHECK(!has(reason, "<section id=\"error\">") && !has(reason, "<section id=\"energy\">"));
 }
 
+/// What is known by its size only, and what was tried and changes nothing, in the terminal, on the page and for
+/// programs.
+void says_no_more_than_is_known() {
+  Answer answer = some_answer();
+  answer.steps_for = {{1e-3, std::nullopt}, {1e-2, std::nullopt}, {1e-1, 0.001}};
+  const auto tried = [&answer](const char* set, double error, bool asked) {
+    const audit::Estimate its{error, 1e-4, Convergence::settled};
+    answer.tried.push_back({.set = set, .distance_m = {its, its}, .cpu = 1, .work = 1, .asked = asked});
+  };
+  tried("w=1", 0.012503, false);
+  tried("w=1.5", 0.012497, false);
+  tried("cfm=0.1", 0.0125, true);
+  const std::string text = audit_text(answer);
+  CHECK(has(text, "of 1 mm, of 1 cm: none down to 0.00025 s is known to keep it, of 10 cm: this one\n"));
+  CHECK(has(text, "as it is: 0.0125 m, erp=0.8: 0.01 m, cfm=0.1: 0.0125 m; the same to three digits: w=1.5, w=1\n"));
+
+  answer.error_at.front().distance_m = {0.296, 0.3, Convergence::rough};
+  answer.error_at.front().turn_rad = {0.3, 0.301, Convergence::rough};
+  const std::string rough = audit_text(answer);
+  CHECK(has(rough, "at most 0.6  ") && has(rough, "at most 0.61  ") && !has(rough, "0.296"));
+  CHECK(has(rough, "as it is: at most 0.6 m"));
+  const std::string html = page_of(answer).html;
+  CHECK(has(html, "is at most 0.6 m from where") && has(html, "at most 0.61") && !has(html, "0.296 ±"));
+  CHECK(has(audit_json(answer), "\"only_bounded\": true"));
+  answer.error_at.front().distance_m.uncertainty = 0.29;
+  CHECK(has(audit_text(answer), "0.296 ± 0.3"));  // rounded: 0.29
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -111,5 +140,6 @@ int main(int argc, char** argv) {
   says_the_answer(page.html);
   if (report::gnuplot_version().starts_with("gnuplot ")) CHECK_EQUAL(page.missing.size(), 0U);
   leaves_out_what_there_is_none_of();
+  says_no_more_than_is_known();
   return test::verdict();
 }

@@ -111,6 +111,19 @@ void shout() {
   for (int i = 0; i < 1000000; ++i) std::printf("a line of a thousand %0980d\n", i);
 }
 
+/// A million times, in a space with nothing in it; exits with 9 where that takes more than 16 MB.
+void collide_for_ever() {
+  const auto most_kB = [] {
+    rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss;
+  };
+  const long before = most_kB();
+  dSpaceID empty = dSimpleSpaceCreate(nullptr);
+  for (int i = 0; i < 1000000; ++i) dSpaceCollide(empty, nullptr, near);
+  if (most_kB() - before > 16384) ::_exit(9);
+}
+
 /// What goes wrong half way.
 void go_wrong() {
   if (is("segv")) std::raise(SIGSEGV);
@@ -155,6 +168,9 @@ void go_wrong() {
     for (;;) ::pause();
   }
   if (is("thread")) std::thread(step).join();
+  if (is("thread-collides")) std::thread(collide).join();
+  if (is("thread-makes")) std::thread([] { dBodyCreate(world); }).join();
+  if (is("collides")) collide_for_ever();
   if (is("new-body")) {
     dBodyID more = dBodyCreate(world);
     dBodySetPosition(more, 1, 0, 5);
@@ -199,6 +215,7 @@ int main(int argc, char** argv) {
   }
   make();
   if (is("no-step")) return 0;
+  if (is("thread-first")) std::thread(step).join();  // and then this one
   if (is("random")) {
     timespec time{};
     ::clock_gettime(CLOCK_MONOTONIC, &time);

@@ -13,14 +13,18 @@ using namespace odeval;
 constexpr double g = 9.81;
 constexpr double h = 1e-3;
 
-/// Of the program as it is, for some seconds.
-audit::Answer recorded(const std::string& scenario, const std::string& seconds) {
-  const test::TemporaryFolder folder;
-  const std::string record = (folder.path() / "record").string();
+/// The program as it is, for some seconds.
+void record_to(const std::string& record, const std::string& scenario, const std::string& seconds) {
   const std::string command =
       "env LD_PRELOAD=" ODEVAL_AUDIT_LIBRARY " ODEVAL_AUDIT_LEDGER=1 ODEVAL_AUDIT_RECORD=" + record +
       " " ODEVAL_PLAIN " " + scenario + " 0.001 " + seconds;
   CHECK_EQUAL(std::system(command.c_str()), 0);
+}
+
+audit::Answer recorded(const std::string& scenario, const std::string& seconds) {
+  const test::TemporaryFolder folder;
+  const std::string record = (folder.path() / "record").string();
+  record_to(record, scenario, seconds);
   audit::Answer answer;
   audit::describe(record, answer);
   return answer;
@@ -32,6 +36,7 @@ double of_step(const audit::Answer& answer) { return answer.energy.end_J - answe
 void friction_takes_it_all() {
   const audit::Answer answer = recorded("friction_slide", "1");
   CHECK_NEAR(answer.work.contacts, -4.0, 1e-9);
+  CHECK_EQUAL(answer.work.program, 0.0);  // the same sum before a step as after the one before
   CHECK_NEAR(of_step(answer), 0.0, 1e-9);
   CHECK_EQUAL(answer.joint_summaries.size(), 1U);
   const audit::JointSummary& contact = answer.joint_summaries.at(0);
@@ -120,6 +125,30 @@ void a_ball_comes_to_rest() {
   CHECK_NEAR(answer.work.contacts, -g, 1e-6);
 }
 
+// What the program sets by hand is its own, and what is left to the step is gravity's error, m g^2 h t / 2, of the one
+// that falls. Sums of a few joules round by 1e-15 of them, 500 times.
+void what_is_set_by_hand_is_the_programs() {
+  const audit::Answer answer = recorded("by_hand", "0.5");
+  const double sped_up = 0.5 * 3 * 3;
+  const double comes = 0.5 * 2 * 2;
+  const double goes = 0.5;
+  CHECK_NEAR(answer.work.program, sped_up + comes - goes + g * 2, 1e-11);
+  CHECK_NEAR(of_step(answer), -g * g * h * 0.5 / 2, 1e-11);
+}
+
+// Runs of two worlds, the one longer than the other: told is the step of the world, not of both together.
+void two_worlds_part_at_a_step_of_one() {
+  const test::TemporaryFolder folder;
+  const std::string first = (folder.path() / "first").string();
+  const std::string second = (folder.path() / "second").string();
+  record_to(first, "two_worlds", "0.2");
+  record_to(second, "two_worlds", "0.3");
+  const std::optional<audit::Parting> parting = audit::parting(first, second);
+  CHECK(parting.has_value());
+  CHECK_EQUAL(parting.value_or(audit::Parting{}).step, 201U);
+  CHECK_NEAR(parting.value_or(audit::Parting{}).t_s, 0.201, 1e-9);
+}
+
 }  // namespace
 
 int main() {
@@ -131,5 +160,7 @@ int main() {
   damping_takes_its_part();
   a_controller_takes_what_is_gone();
   a_ball_comes_to_rest();
+  what_is_set_by_hand_is_the_programs();
+  two_worlds_part_at_a_step_of_one();
   return test::verdict();
 }

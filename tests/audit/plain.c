@@ -250,6 +250,44 @@ static void feeling(void) {
   control = push_as_felt;
 }
 
+static dBodyID float_at(double speed) {
+  dBodyID body = dBodyCreate(world);
+  dBodySetGravityMode(body, 0);
+  dBodySetLinearVel(body, speed, 0, 0);
+  return body;
+}
+
+static dBodyID goes;
+static void set_by_hand(void) {
+  static int step;
+  ++step;
+  if (step == 100) dBodySetLinearVel(bodies[0], 3, 0, 0);
+  if (step == 200) float_at(2);
+  if (step == 300) dBodyDestroy(goes);
+  const dReal* place = dBodyGetPosition(bodies[1]);
+  if (step == 400) dBodySetPosition(bodies[1], place[0], place[1], place[2] + 2);
+}
+
+/* Of bodies of a kilogram, one that floats is given 3 m/s, one of 2 m/s comes, one of 1 m/s goes, and one that falls is
+ * put 2 m up. */
+static void by_hand(void) {
+  bodies[count++] = float_at(0);
+  goes = float_at(1);
+  add(0, 0, 0);
+  control = set_by_hand;
+}
+
+static dWorldID second;
+static void step_the_second(void) { dWorldStep(second, h); }
+
+/* Two worlds, the second of which is stepped first. */
+static void two_worlds(void) {
+  second = dWorldCreate();
+  dBodyCreate(second);
+  add(0, 0, 0);
+  control = step_the_second;
+}
+
 static void near(void* data, dGeomID one, dGeomID other) {
   (void)data;
   dContact contact[8];
@@ -291,6 +329,8 @@ static const struct {
     {"suspension", suspension, 0},
     {"crane", crane, 0},
     {"feeling", feeling, 0},
+    {"by_hand", by_hand, 0},
+    {"two_worlds", two_worlds, 0},
 };
 
 static void write_poses(FILE* poses) {

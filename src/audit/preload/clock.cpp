@@ -49,10 +49,11 @@ double reading() {
   return now;
 }
 
-void sleep_for(double seconds) {
+/// As far as somebody sleeps: for so long, or until then.
+void go_on(double seconds, bool until) {
   if (!first_thread()) return;
   ::pthread_mutex_lock(&lock);
-  now_s += std::max(seconds, 0.0);
+  now_s = std::max(now_s, until ? seconds : now_s + seconds);
   ::pthread_mutex_unlock(&lock);
 }
 
@@ -122,25 +123,25 @@ int ftime(void* place) {
 }
 
 int nanosleep(const timespec* wanted, timespec* left) {
-  sleep_for(seconds(*wanted, 0));
+  go_on(seconds(*wanted, 0), false);
   if (left != nullptr) *left = {};
   return 0;
 }
 
 int clock_nanosleep(clockid_t clock, int flags, const timespec* wanted, timespec* left) {
-  const double there = seconds(*wanted, (flags & TIMER_ABSTIME) != 0 ? origin(clock) : 0);
-  sleep_for((flags & TIMER_ABSTIME) != 0 ? there - now_s : there);
+  const bool until = (flags & TIMER_ABSTIME) != 0;
+  go_on(seconds(*wanted, until ? origin(clock) : 0), until);
   if (left != nullptr) *left = {};
   return 0;
 }
 
 int usleep(useconds_t microseconds) {
-  sleep_for(1e-6 * microseconds);
+  go_on(1e-6 * microseconds, false);
   return 0;
 }
 
 unsigned sleep(unsigned wanted) {
-  sleep_for(wanted);
+  go_on(wanted, false);
   return 0;
 }
 

@@ -48,6 +48,11 @@ bool has_body_of(dGeomID geom, dWorldID world) {
 Collisions::~Collisions() = default;  // Python may be gone
 
 void Collisions::add(dGeomID first, dGeomID second, void* data, dNearCallback* callback) {
+  if (calls_.size() == most_calls) {
+    clear();
+    too_many_ = true;
+  }
+  if (too_many_) return;
   const bool kept = of_python(callback);
   if (kept) call_python("Py_IncRef", data);
   calls_.push_back({first, second, data, callback, kept});
@@ -68,9 +73,11 @@ void Collisions::forget(dGeomID geom) {
 void Collisions::clear() {
   for (const Call& call : calls_) release(call);
   calls_.clear();
+  too_many_ = false;
 }
 
 bool Collisions::can_be_repeated(const void* frame_of_step) const {
+  if (too_many_) return false;
   for (const Call& call : calls_) {
     if (in_a_frame_that_is_gone(call.data, frame_of_step)) return false;
   }

@@ -15,7 +15,7 @@ class Collisions {
   void forget(dGeomID geom);  // which is about to go
   void clear();
 
-  bool empty() const { return calls_.empty(); }
+  bool empty() const { return calls_.empty() && !too_many_; }
   /// Whether what the program gave to its callback is still there, as far as one can see: nothing of a function that
   /// has returned.
   bool can_be_repeated(const void* frame_of_step) const;
@@ -41,7 +41,10 @@ class Collisions {
   };
   static void release(const Call& call);
 
+  static constexpr std::size_t most_calls = 1 << 16;  // of a step: a program may collide for ever, and never step
+
   std::vector<Call> calls_;
+  bool too_many_ = false;  // since the last step: none is kept
 };
 
 }  // namespace odeval::audit

@@ -9,8 +9,7 @@ namespace {
 
 template <class... What>
 void follow(void (Worlds::*change)(What...), What... what) {
-  Session& session = Session::get();
-  if (session.follows()) (session.worlds().*change)(what...);
+  Session::get().follow([&](Session& session) { (session.worlds().*change)(what...); });
 }
 
 dJointID followed(dWorldID world, dJointID joint, dJointType type, dJointGroupID group) {
@@ -19,8 +18,7 @@ dJointID followed(dWorldID world, dJointID joint, dJointType type, dJointGroupID
 }
 
 void forget_geom(dGeomID geom) {
-  Session& session = Session::get();
-  if (session.follows()) session.collisions().forget(geom);
+  Session::get().follow([geom](Session& session) { session.collisions().forget(geom); });
 }
 
 }  // namespace
@@ -57,7 +55,7 @@ dJointID ODEVAL_BEFORE(dJointCreateContact)(dWorldID world, dJointGroupID group,
   dContact place;
   const dContact& part = session.softened(world, *contact, place);
   dJointID joint = ODEVAL_OWN(dJointCreateContact)(world, group, &part);
-  session.worlds().add_contact(world, joint, part, group, session.in_callback());
+  session.follow([&](Session& its) { its.worlds().add_contact(world, joint, part, group, its.in_callback()); });
   return joint;
 }
 
@@ -145,13 +143,13 @@ void ODEVAL_BEFORE(dBodySetAutoDisableDefaults)(dBodyID body) {
 
 // Of odeval_name.h.
 void odeval_audit_name_body(dBodyID body, const char* name) {
-  Session& session = Session::get();
-  if (session.follows() && body != nullptr && name != nullptr) session.name(body, name);
+  if (body == nullptr || name == nullptr) return;
+  Session::get().follow([=](Session& session) { session.name(body, name); });
 }
 
 void odeval_audit_name_joint(dJointID joint, const char* name) {
-  Session& session = Session::get();
-  if (session.follows() && joint != nullptr && name != nullptr) session.name(joint, name);
+  if (joint == nullptr || name == nullptr) return;
+  Session::get().follow([=](Session& session) { session.name(joint, name); });
 }
 
 // The handlers that the program reads and writes are its own; ODE has this library's.

@@ -49,7 +49,7 @@ Head* Record::head() {
 }
 
 void Record::remark(Remark remark) {
-  if (Head* its = head()) its->remarks |= remark;
+  if (Head* its = head()) std::atomic_ref(its->remarks).fetch_or(remark);  // by any thread
 }
 
 void Record::name(const char* kind, std::uint32_t number, const char* name) {

@@ -77,6 +77,7 @@ struct Frame {
   double work_joints;  // otherwise
   double work_contacts;
   double work_damping;
+  double work_program;  // between steps
 };
 
 struct BodySample {

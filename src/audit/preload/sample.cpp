@@ -9,11 +9,6 @@ namespace {
 
 double dot(const dReal* a, const dReal* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-struct Energy {
-  double kinetic = 0;
-  double potential = 0;
-};
-
 void add_energy(const Body& body, const dReal* gravity, Energy& energy) {
   if (dBodyIsKinematic(body.id)) return;
   dMass mass;
@@ -101,17 +96,21 @@ void sample_body(const Body& body, BodySample& sample) {
 
 }  // namespace
 
-const std::vector<char>& Sampler::take(World& world, const Step& step) {
-  Frame frame{};
-  bytes_.resize(sizeof frame + world.bodies.size() * sizeof(BodySample));
+Energy energy_of(const World& world) {
   dVector3 gravity;
   dWorldGetGravity(world.id, gravity);
   Energy energy;
+  for (const Body& body : world.bodies) add_energy(body, gravity, energy);
+  return energy;
+}
+
+const std::vector<char>& Sampler::take(World& world, const Step& step) {
+  Frame frame{};
+  bytes_.resize(sizeof frame + world.bodies.size() * sizeof(BodySample));
   auto* sample = reinterpret_cast<BodySample*>(bytes_.data() + sizeof frame);
-  for (const Body& body : world.bodies) {
-    sample_body(body, *sample++);
-    add_energy(body, gravity, energy);
-  }
+  for (const Body& body : world.bodies) sample_body(body, *sample++);
+  const Energy energy = energy_of(world);
+  world.energy = energy.sum();
   frame.gap_joint = -1;
   for (Joint& joint : world.joints) {
     const double its = gap(joint);
@@ -142,6 +141,7 @@ const std::vector<char>& Sampler::take(World& world, const Step& step) {
   frame.work_joints = world.work.joints;
   frame.work_contacts = world.work.contacts;
   frame.work_damping = world.work.damping;
+  frame.work_program = world.work.program;
   std::memcpy(bytes_.data(), &frame, sizeof frame);
   return bytes_;
 }

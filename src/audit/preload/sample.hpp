@@ -7,6 +7,15 @@
 
 namespace odeval::audit {
 
+/// Kinetic, and of gravity, of all bodies, J.
+struct Energy {
+  double kinetic = 0;
+  double potential = 0;
+
+  double sum() const { return kinetic + potential; }
+};
+Energy energy_of(const World& world);
+
 /// A frame with its bodies, as bytes, until the next call.
 class Sampler {
  public:

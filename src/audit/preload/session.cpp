@@ -18,6 +18,16 @@
 namespace odeval::audit {
 namespace {
 
+struct Thread {
+  ~Thread();
+};
+std::atomic<const Thread*> stepping = nullptr;  // and colliding
+thread_local const Thread this_thread{};
+Thread::~Thread() {
+  const Thread* self = this;
+  stepping.compare_exchange_strong(self, nullptr);  // another may go on where this one ends
+}
+
 void take_message(int, const char* text, std::va_list values) { Session::get().message(text, values); }
 void take_last_words(int, const char* text, std::va_list values) { Session::get().last_words(text, values); }
 
@@ -121,7 +131,7 @@ Session::Session()
 void Session::message(const char* text, std::va_list values) {
   ++messages_;
   Head* head = record_.head();
-  if (head != nullptr && head->messages++ == 0)
+  if (head != nullptr && std::atomic_ref(head->messages).fetch_add(1) == 0)
     take_down(head->first_message, sizeof head->first_message, text, values);
   if (program_message != nullptr) program_message(0, text, values);
 }
@@ -155,9 +165,15 @@ const dContact& Session::softened(dWorldID world, const dContact& contact, dCont
   return place;
 }
 
-void Session::check_thread() {
-  if (!stepping_thread_) stepping_thread_ = ::pthread_self();
-  if (::pthread_equal(*stepping_thread_, ::pthread_self()) == 0) end(several_threads);
+void Session::require_thread() {
+  const Thread* its = stepping.load();
+  if (its != nullptr && its != &this_thread) end(several_threads);
+}
+
+void Session::take_thread() {
+  const std::lock_guard guard(lock_);
+  require_thread();
+  stepping = &this_thread;
 }
 
 void Session::end(Remark why) {
@@ -211,7 +227,7 @@ void Session::first_step(World& world, dReal h, Stepper stepper, bool quick) {
 
 int Session::step(dWorldID id, dReal h, Stepper stepper, bool quick, const void* frame_of_step) {
   if (!follows_) return stepper(id, h);
-  check_thread();
+  take_thread();
   World& world = worlds_.of(id);
   if (world.steps == 0) describe(world);
   stepper = overrides_.chosen(stepper);
@@ -219,12 +235,13 @@ int Session::step(dWorldID id, dReal h, Stepper stepper, bool quick, const void*
   if (world.steps == 0) first_step(world, h, stepper, quick);
   const int result = settings_.refinement > 1 ? parts(world, h, stepper, frame_of_step) : whole(world, h, stepper);
   if (result == 0) record_.remark(steps_in_vain);
+  const std::uint32_t messages = messages_;
   if (record_.head() != nullptr) {
     const double ode_s = ode_s_ + collide_s_;
-    const auto& frame = sampler_.take(world, {.h = h, .quick = quick, .messages = messages_, .ode_s = ode_s});
+    const auto& frame = sampler_.take(world, {.h = h, .quick = quick, .messages = messages, .ode_s = ode_s});
     record_.add(frame.data(), frame.size(), world.steps, world.t);
   }
-  messages_ = 0;
+  messages_ -= messages;
   collide_s_ = 0;
   world.contacts = 0;
   world.depth = 0;
@@ -240,6 +257,7 @@ int Session::whole(World& world, dReal h, Stepper stepper) {
   std::optional<Ledger::Step> step;
   if (ledger_ && record_.head() != nullptr) {
     ledger_->draw(world);
+    world.work.program += energy_of(world).sum() - world.energy;
     step.emplace(*ledger_, world);
   }
   const double begun_s = steady_s();

@@ -3,7 +3,9 @@
 #include <ode/ode.h>
 #include <pthread.h>
 
+#include <atomic>
 #include <cstdarg>
+#include <mutex>
 #include <optional>
 
 #include "audit/preload/collisions.hpp"
@@ -25,6 +27,16 @@ class Session {
 
   /// Whether this is an ODE that the library knows.
   bool follows() const { return follows_; }
+
+  /// What the program makes, destroys or names: of one thread at a time until one steps or collides, and from then on
+  /// of that one alone. `change` takes the session.
+  template <class Change>
+  void follow(const Change& change) {
+    if (!follows_) return;
+    const std::lock_guard guard(lock_);
+    require_thread();
+    change(*this);
+  }
   Worlds& worlds() { return worlds_; }
   Collisions& collisions() { return collisions_; }
 
@@ -64,7 +76,7 @@ class Session {
 
   /// Joints take the world's ERP and CFM when they are made.
   void set_what_is_tried(dWorldID world) {
-    if (follows_) overrides_.apply(worlds_.of(world));
+    follow([world](Session& its) { its.overrides_.apply(its.worlds_.of(world)); });
   }
 
   void remark(Remark what) { remarks_ |= what; }
@@ -83,7 +95,9 @@ class Session {
   int whole(World& world, dReal h, Stepper stepper);
   int parts(World& world, dReal h, Stepper stepper, const void* frame_of_step);
   void renew_contacts(World& world, const void* frame_of_step);
-  void check_thread();
+  void require_thread();
+  /// The calling thread is the one that steps and collides, until it ends. Ends the program where there is another.
+  void take_thread();
   [[noreturn]] void end(Remark why);
 
   Settings settings_;
@@ -96,10 +110,10 @@ class Session {
   Collisions collisions_;
   Sampler sampler_;
   int collide_depth_ = 0;
-  double collide_s_ = 0;  // since the last step
-  double ode_s_ = 0;      // of the step
-  std::uint32_t messages_ = 0;
-  std::optional<pthread_t> stepping_thread_;
+  double collide_s_ = 0;                     // since the last step
+  double ode_s_ = 0;                         // of the step
+  std::atomic<std::uint32_t> messages_ = 0;  // of any thread
+  std::mutex lock_;
 };
 
 double steady_s();
@@ -107,6 +121,7 @@ double steady_s();
 template <class Act>
 void Session::collide(dGeomID first, dGeomID second, void* data, dNearCallback* callback, const Act& act) {
   if (!follows_) return act();
+  take_thread();
   // A callback may throw through this, and one of a nested space is called again by the outer one.
   struct Depth {
     Session& session;

@@ -86,7 +86,9 @@ struct World {
     double joints = 0;
     double contacts = 0;
     double damping = 0;
-  } work{};  // since the start, J
+    double program = 0;
+  } work{};           // since the start, J
+  double energy = 0;  // when it was last sampled, J
 
   void keep_forces();
   void put_forces_back();
