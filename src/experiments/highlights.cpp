@@ -42,7 +42,7 @@ constexpr std::array box{
     Row{"half-step-erp", "", 0, arm,
         "To keep {{answer_arm_budget}} for {{answer_arm_until}} such an arm needs a step of {{answer_arm_step}}, ERP {{answer_arm_erp}} and the half-step start (take from each starting velocity what the weights add in half a step); with ODE's defaults a step of {{answer_arm_default_step}}."},
     Row{"wall-pendulum", "", 0, impact,
-        "At {{answer_wall_step}} an impact is off by up to {{answer_impact_error}} and the angles by up to {{answer_impact_angle}} until {{answer_wall_until}}, since ODE sees a contact at the end of a step; other values of ERP and CFM change the former by up to {{answer_impact_by_settings}}. Friction is up to {{C14_anisotropy_percent}} too strong along the diagonal of its axes."},
+        "At {{answer_wall_step}} an impact is off by up to {{answer_impact_error}} and the angles by up to {{answer_impact_angle}} until {{answer_wall_until}}, where in a step it falls being chance: ODE sees a contact at the end of a step. Friction is up to {{C14_anisotropy_percent}} too strong along the diagonal of its axes."},
     Row{"thin-body", "", 0, same_single,
         "Single precision is safe for such an arm, where its error is {{answer_single_ratio}} times that of double precision; not for long thin bodies, which it spins up, and not for much smaller steps, where its rounding is the larger part."},
 };
