@@ -209,6 +209,12 @@ std::map<std::string, Value> metrics_of(const Results& results, const Table& tab
     }
   }
 
+  all["max_unaccounted_energy"] = std::nullopt;
+  if (table.has("unaccounted")) {
+    double most = 0;
+    for (std::size_t k = 0; k < rows; ++k) most = std::fmax(most, std::fabs(table["unaccounted"][k]));
+    all["max_unaccounted_energy"] = most;
+  }
   all["max_creep"] = creep_of(results, table, rows);
   all["max_impact_error"] = impact_error_of(results, table, rows);
   all["impact_uncertainty"] = impact_uncertainty_of(reference, table["t"][rows - 1]);
