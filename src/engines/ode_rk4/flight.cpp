@@ -18,7 +18,6 @@ constexpr double touch_depth = 1e-12;
 constexpr double touching_distance = 1e-9;
 // m: points of one pair of geoms nearer than this are one contact.
 constexpr double same_point = 1e-6;
-constexpr double mendable = 1e-9;  // m, rad: smaller joint errors are left to the projection at the end of the step
 // Bodies and contacts of the impacts located in one step: more are a crowd. To locate one costs ten steps or so of all
 // bodies, so a ball between walls may have 24 impacts in a step, and a figure of eleven bodies four.
 constexpr std::size_t crowd = 48;
@@ -28,8 +27,6 @@ constexpr double time_rounding = 1e-15;    // of what is left of the step
 constexpr double beyond_rounding = 1e-14;  // of a motor's limit or velocity
 constexpr double near_newton = 0.02;       // of the bracket: Newton's method misses by the square of what it moved
 constexpr int most_pushes = 10;
-constexpr double energy_rounding = 1e-14;  // of kinetic energy
-constexpr int most_shortenings = 5;        // of a way out, which costs nearly as much as it is long
 constexpr double almost = 0.95;
 constexpr int most_splits = 4;   // of a step where something comes to stick
 constexpr double moment = 1e-4;  // of a step, at which what sticks comes to slip
@@ -40,36 +37,6 @@ bool same_geoms(const Contact& one, const Contact& other) { return one.geoms == 
 bool among(const std::vector<Contact>& contacts, const Contact& contact) {
   return std::ranges::any_of(contacts, [&](const Contact& other) { return same_geoms(contact, other); });
 }
-
-double kinetic_energy(const Body& body, const BodyNow& now) {
-  if (body.inverse_mass == 0) return 0;
-  const Eigen::Quaterniond turn(now.pose.turn[0], now.pose.turn[1], now.pose.turn[2], now.pose.turn[3]);
-  const Vector3d spin = turn.conjugate() * now.twist.angular;
-  return now.twist.linear.squaredNorm() / (2 * body.inverse_mass) + spin.dot(body.inertia * spin) / 2;
-}
-
-double kinetic_energy(const Mechanism& mechanism, const State& state) {
-  double sum = 0;
-  for (std::size_t i = 0; i < state.size(); ++i) sum += kinetic_energy(mechanism.bodies[i], state[i]);
-  return sum;
-}
-
-/// Velocities of two states at the poses of the second.
-State mixed(const State& one, State other, double share_of_other) {
-  for (std::size_t i = 0; i < other.size(); ++i) {
-    Twist& twist = other[i].twist;
-    twist.linear = one[i].twist.linear + share_of_other * (twist.linear - one[i].twist.linear);
-    twist.angular = one[i].twist.angular + share_of_other * (twist.angular - one[i].twist.angular);
-  }
-  return other;
-}
-
-double deepest_of(const std::vector<Contact>& contacts) {
-  double deepest = 0;
-  for (const Contact& contact : contacts) deepest = std::max(deepest, contact.depth);
-  return deepest;
-}
-
 }  // namespace
 
 void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
@@ -215,7 +182,7 @@ void Flight::find_footholds(double after, bool struck) {
   if (found) mover().project(held);  // what leaves slowly rests from now on, not by and by
   // What closes their gaps is paid for as ways out are.
   const double gain = found ? gained(here_, held) : 0;
-  const bool paid = gain <= std::max(0.0, taken_) + energy_rounding * kinetic_energy(motion_.mechanism(), here_);
+  const bool paid = gain <= std::max(0.0, taken_) + rounding_of_energy(here_);
   if (mover().has_motors()) drive(held, after);
   if (!paid || !footholds_->bear(held, *forces_, after, contacts_)) {
     footholds_.reset();
@@ -527,168 +494,6 @@ void Flight::tell(const std::function<void(const Touch&)>& observer, const Touch
   show_poses(motion_.mechanism(), here_);
   show_twists(motion_.mechanism(), here_);
   observer(touch);
-}
-
-/// What impulses at the end of a time h would have moved poses by if they had acted evenly all the while: half of the
-/// change of velocity times h. The contacts at hand get that much shallower.
-std::vector<Twist> Flight::follow(const State& free, const State& held, double h) {
-  std::vector<Twist> by(free.size());
-  for (std::size_t i = 0; i < by.size(); ++i) {
-    by[i].linear = h / 2 * (held[i].twist.linear - free[i].twist.linear);
-    by[i].angular = h / 2 * (held[i].twist.angular - free[i].twist.angular);
-  }
-  for (Contact& contact : contacts_) {
-    contact.depth -= h / 2 * (normal_speed(contact, held) - normal_speed(contact, free));
-  }
-  return by;
-}
-
-/// Velocities less what forces have changed of them in a time h, to the first order, at the pose of the last
-/// projection.
-State Flight::unforced(Motion& motion, const State& state, double h) {
-  std::vector<Wrench> impulses = forces_->all(forces_->since + h, state);
-  for (Wrench& impulse : impulses) impulse = {h * impulse.force, h * impulse.torque};
-  std::vector<Twist> change;
-  motion.respond(impulses, change);
-  State bare = state;
-  for (std::size_t i = 0; i < bare.size(); ++i) {
-    bare[i].twist.linear -= change[i].linear;
-    bare[i].twist.angular -= change[i].angular;
-  }
-  return bare;
-}
-
-/// Contacts that rest give nothing back, but elastic ones the energy of what closes them besides forces in a time h:
-/// bodies that turn.
-void Flight::bounce_elastic(Motion& motion, const Impact& impact, std::vector<Contact>& contacts, double h,
-                            State& state) {
-  if (std::ranges::none_of(contacts, [](const Contact& contact) { return contact.restitution == 1; })) return;
-  State bare = unforced(motion, state, h);
-  bool bounces = false;
-  for (Contact& contact : contacts) {
-    if (contact.restitution < 1 || stopped(contact)) contact.restitution = 0;
-    bounces = bounces || (contact.restitution == 1 && normal_speed(contact, bare) < -options_.rest_speed);
-  }
-  if (!bounces) return;
-  const State before = bare;
-  impact.strike(bare, options_.impact_order, options_.rest_speed);
-  for (std::size_t i = 0; i < state.size(); ++i) {
-    state[i].twist.linear += bare[i].twist.linear - before[i].twist.linear;
-    state[i].twist.angular += bare[i].twist.angular - before[i].twist.angular;
-  }
-}
-
-/// The rest of a step in which contacts crowd, by the scheme of Moreau and Jean: free motion to its end, there one
-/// impact of all contacts, by the speeds at which they closed before the forces of the step. Poses follow half of the
-/// change of velocity, which is what holds what rests in its place, and leave half of what overlaps besides to the next
-/// step: all of it at once would push a heap apart.
-void Flight::settle_crowd(State& state, double h) {
-  bool bounced = false;
-  motion_.project(state);  // the matrix of this pose, for the impulses
-  const auto elastic = [](const Contact& contact) { return contact.restitution == 1; };
-  const State bare = std::ranges::any_of(contacts_, elastic) ? unforced(motion_, state, h) : State();
-  for (Contact& contact : contacts_) {
-    const auto closes = [&](const State& velocities) {
-      return normal_speed(contact, state, velocities) < -options_.rest_speed;
-    };
-    const State& before = elastic(contact) ? bare : here_;
-    const bool comes = closes(before);
-    bounced = bounced || comes;
-    // An elastic one that does not close may have to, once others are struck.
-    if (!comes && (!elastic(contact) || closes(state))) contact.restitution = 0;
-    // Forces of the step are not given back: with what follows, v+ + v > 0 would be energy from nowhere.
-    if (comes && closes(state)) {
-      contact.restitution *= std::min(1.0, normal_speed(contact, state, before) / normal_speed(contact, state));
-    }
-  }
-  // Rest takes no deeper overlaps.
-  if (bounced || deepest_of(contacts_) > options_.start_gap) crowd_on();
-  recall(state, 0);
-  const Impact impact(motion_, contacts_, state, motion_.late(h));
-  const State free = state;
-  Eigen::VectorXd impulses = impact.strike(state, options_.impact_order, options_.rest_speed);
-  tell_joints(impact, impulses, state, h);
-  double work = 0;
-  const auto push_on = [&] {  // motors, against what rests then
-    const Eigen::VectorXd pushes = impact.stop(state);
-    tell_joints(impact, pushes, state, h);
-    impulses += pushes;
-    work = impact.work(pushes, here_, state);
-  };
-  if (impact.has_motors()) push_on();
-  impact.note_motors(impulses);
-  for (std::size_t i = 0; i < contacts_.size(); ++i) impact.note(impulses, i, contacts_[i]);
-  resting_.clear();
-  const std::vector<Twist> by = follow(free, state, h);
-  for (Contact& contact : contacts_) {
-    if (normal_speed(contact, state) <= options_.rest_speed) resting_.push_back(contact);
-    contact.depth = (contact.depth - rest_depth) / 2;
-  }
-  const std::vector<Twist> way = impact.way_out(0, by);
-  const State struck = state;
-  move_out(motion_, free, way, HUGE_VAL, state);  // what that costs, the bounce pays, then what was taken before
-  const double gain = gained(free, state) - work;
-  if (gain > energy_rounding * kinetic_energy(motion_.mechanism(), free)) {
-    state = free;
-    motion_.project(state);
-    work = std::min(work, impact.work(impact.stop(state), here_, state));
-    state = slowed(state, struck, gain);
-    move_out(motion_, free, way, taken_ + work, state);
-  }
-  taken_ -= gained(free, state) - work;
-}
-
-/// Energy that comes from nowhere from one state to another, J: of motion, less the work of forces.
-double Flight::gained(const State& from, const State& to) const {
-  double sum = 0;
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    const Body& body = motion_.mechanism().bodies[i];
-    sum += kinetic_energy(body, to[i]) - kinetic_energy(body, from[i]);
-    if (body.inverse_mass > 0) sum -= forces_->now[i].force.dot(to[i].pose.position - from[i].pose.position);
-  }
-  return sum;
-}
-
-/// With poses moved on, joints not kept.
-double Flight::gained(const State& from, const State& to, std::span<const Twist> by) const {
-  State moved = to;
-  for (std::size_t i = 0; i < by.size(); ++i) {
-    moved[i].pose.position += by[i].linear;
-    turn_by(by[i].angular, moved[i].pose.turn);
-  }
-  return gained(from, moved);
-}
-
-/// A bounce with less energy, down to none: of velocities between those without restitution and those with.
-State Flight::slowed(const State& still, const State& struck, double by) const {
-  const double most = gained(still, struck);  // s of a bounce has a s^2 + b s
-  const double a = 2 * (most - 2 * gained(still, mixed(still, struck, 0.5)));
-  const double b = most - a;
-  const double left = std::max(0.0, most - by);
-  const double root = b + std::sqrt(std::max(0.0, b * b + 4 * a * left));
-  return mixed(still, struck, root > 0 ? std::clamp(2 * left / root, 0.0, 1.0) : 0);
-}
-
-/// Moves poses along a way, as far as joints keep, and as far as no more than `most` is gained since the contacts at
-/// hand struck bodies that were `free`. Returns false if it had to stay. Where `most` is `taken_`, energy is never more
-/// than at first and what lifts bodies out of the overlaps that they start with (`begin`), but for rounding; but for
-/// the work of forces that change along the way, and of torques.
-bool Flight::move_out(Motion& motion, const State& free, std::span<const Twist> way, double most, State& state) {
-  if (way.empty()) return true;
-  const State before = state;
-  const double taken = gained(free, before);
-  const double allowed = most + energy_rounding * kinetic_energy(motion.mechanism(), free);
-  std::vector<Twist> part(way.begin(), way.end());
-  for (int round = 0; round < most_shortenings; ++round) {
-    if (!(motion.displace(part, state).size <= mendable)) break;
-    const double gain = gained(free, state);
-    if (gain <= allowed) return true;
-    const double share = std::clamp((most - taken) / (gain - taken), 0.0, 1.0);
-    for (Twist& twist : part) twist = {share * twist.linear, share * twist.angular};
-    state = before;
-  }
-  state = before;
-  return false;
 }
 
 /// Of the impulses at the contacts at hand, which stood for forces over a time h, and of those of stops and motors.

@@ -1,5 +1,6 @@
 #pragma once
 // From one end of a step to the other: free motion, impacts where they fall, and rest at its end.
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <string>
@@ -14,6 +15,14 @@ namespace odeval::engine_rk4 {
 
 /// Steps without a bounce after which a crowd is at rest, and an impact of many bodies at once no crowd.
 constexpr int calm_steps = 10;
+
+constexpr double mendable = 1e-9;  // m, rad: smaller joint errors are left to the projection at the end of the step
+
+inline double deepest_of(const std::vector<Contact>& contacts) {
+  double deepest = 0;
+  for (const Contact& contact : contacts) deepest = std::max(deepest, contact.depth);
+  return deepest;
+}
 
 class Flight {
  public:
@@ -84,6 +93,7 @@ class Flight {
   std::vector<Twist> follow(const State& free, const State& held, double h);
   void settle_crowd(State& state, double h);
   State unforced(Motion& motion, const State& state, double h);
+  double rounding_of_energy(const State& state) const;
   double gained(const State& from, const State& to) const;
   double gained(const State& from, const State& to, std::span<const Twist> by) const;
   State slowed(const State& still, const State& struck, double by) const;
