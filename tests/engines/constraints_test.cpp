@@ -11,6 +11,7 @@
 #include "model/read_scenario.hpp"
 #include "odeval/error.hpp"
 #include "tests/check.hpp"
+#include "tests/engines/beside_ode.hpp"
 #include "tests/scenarios.hpp"
 
 namespace {
@@ -18,15 +19,6 @@ namespace {
 using namespace odeval;
 
 std::vector<std::string> asked;  // empty: all
-
-std::vector<const catalogue::Method*> engines() {
-  std::vector<const catalogue::Method*> found;
-  for (const catalogue::Method& method : catalogue::methods()) {
-    const bool wanted = asked.empty() || std::ranges::find(asked, method.name) != asked.end();
-    if (method.tells && method.make != nullptr && wanted) found.push_back(&method);
-  }
-  return found;
-}
 
 Scenario shipped(const std::string& name) {
   Names names{catalogue::method_names(), {}};
@@ -69,7 +61,7 @@ constexpr double step_s = 1e-3;
 
 /// A quarter of the step is a quarter of the error, where a contact begins anywhere in a step: 0.07 to 0.46 found.
 void converges(const Case& what) {
-  for (const catalogue::Method* const method : engines()) {
+  for (const catalogue::Method* const method : test::engines(asked)) {
     if (!catalogue::does(*method, what.scenario)) continue;
     const Errors coarse = errors_at(what.scenario, *method, step_s);
     const Errors fine = errors_at(what.scenario, *method, step_s / 4);
@@ -146,7 +138,7 @@ void refusals() {
                                                        {"loop", four_bar()},
                                                        {"bounce", with_stop(SliderJoint{{}, {0, 0, 1}}, 0.5)},
                                                        {"motor", shipped("motor_lift")}};
-  for (const catalogue::Method* const method : engines()) {
+  for (const catalogue::Method* const method : test::engines(asked)) {
     const auto row = std::ranges::find_if(rows, [&](const Row& one) { return method->name.starts_with(one.engine); });
     for (const auto& [word, scenario] : asked_of) {
       const bool wanted = row->can.find(word) != std::string_view::npos;

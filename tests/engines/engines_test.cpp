@@ -9,6 +9,7 @@
 
 #include "odeval/error.hpp"
 #include "tests/check.hpp"
+#include "tests/engines/beside_ode.hpp"
 #include "tests/engines/random_trees.hpp"
 #include "tests/recorded.hpp"
 #include "tests/scenarios.hpp"
@@ -45,21 +46,11 @@ constexpr Known known[] = {
 
 std::vector<std::string> asked;  // empty: all
 
-/// The engines beside ODE, those that this build has.
-std::vector<const catalogue::Method*> engines() {
-  std::vector<const catalogue::Method*> found;
-  for (const catalogue::Method& method : catalogue::methods()) {
-    const bool wanted = asked.empty() || std::ranges::find(asked, method.name) != asked.end();
-    if (method.tells && method.make != nullptr && wanted) found.push_back(&method);
-  }
-  return found;
-}
-
 void double_pendulum() {
   Scenario scenario = test::report_scenario("double_pendulum", 5, 1e-3);
   scenario.sample_s = 1e-2;
   catalogue::Evaluator evaluator(scenario);
-  for (const catalogue::Method* const method : engines()) {
+  for (const catalogue::Method* const method : test::engines(asked)) {
     const auto found = std::ranges::find(known, method->name, &Known::method);
     if (found == std::end(known)) continue;
     const Known& row = *found;
@@ -105,7 +96,7 @@ void tree(Scenario scenario) {
   scenario.bullet.iterations = 1000;
   const Reference reference = reference::solve_tree(scenario, rows_of(row_spacing_s));
   std::map<std::string, double> coarse_errors;  // by method
-  for (const catalogue::Method* const method : engines()) {
+  for (const catalogue::Method* const method : test::engines(asked)) {
     const auto at_rtol = [&](double rtol) {
       scenario.rtol = rtol;
       return error(*method, scenario, reference, row_spacing_s);
@@ -139,12 +130,12 @@ void tree(Scenario scenario) {
 void motors(unsigned seed) {
   Scenario scenario = test::random_tree(seed, true);
   scenario.bullet.iterations = 1000;
-  test::Draw draw(seed + 2000);
+  test::Random draw(seed + 2000);
   for (Joint& joint : scenario.mechanism.joints) {
     if (joint.loaded()) joint.motor = Motor{draw.within(-1, 1), draw.within(0.2, 2)};
   }
   const Reference reference = reference::solve_tree(scenario, rows_of(row_spacing_s));
-  for (const catalogue::Method* const method : engines()) {
+  for (const catalogue::Method* const method : test::engines(asked)) {
     if (!catalogue::does(*method, scenario) || is_single(*method)) continue;
     const double coarse = error(*method, scenario, reference, 2e-4);
     const double fine = error(*method, scenario, reference, 1e-4);
@@ -163,7 +154,7 @@ void sampled_controllers() {
   for (Joint& joint : scenario.mechanism.joints) {
     for (Controller& controller : joint.controllers) controller.sampled = true;
   }
-  for (const catalogue::Method* const method : engines()) {
+  for (const catalogue::Method* const method : test::engines(asked)) {
     if (is_single(*method)) continue;
     const double coarse = error(*method, scenario, reference, 2e-3);
     const double fine = error(*method, scenario, reference, 1e-3);
@@ -184,7 +175,7 @@ void what_blows_up_says_so() {
   scenario.mechanism.joints = {{.kind = SliderJoint{{}, {0, 1, 0}}, .first = 0, .second = {}}};
   scenario.mechanism.joints[0].springs = {{.stiffness = 1e9, .rest = 0.1}};
   const SampleGrid grid{1e-2, 1, 501};
-  for (const catalogue::Method* const method : engines()) {
+  for (const catalogue::Method* const method : test::engines(asked)) {
     if (method->order == 0) continue;  // it goes by small steps
     const test::Recorded run = test::recorded(method->make, scenario, grid);
     std::printf("%s: %s\n", std::string(method->name).c_str(), run.outcome.reason.c_str());
@@ -197,7 +188,7 @@ void what_blows_up_says_so() {
 /// Its version, and more than that.
 void options_are_told() {
   const Scenario scenario = test::report_scenario("double_pendulum", 1, 1e-3);
-  for (const catalogue::Method* const method : engines()) {
+  for (const catalogue::Method* const method : test::engines(asked)) {
     const Told told = method->make(scenario, sample_grid(scenario))->told();
     CHECK(told.size() > 2);
     CHECK_EQUAL(told.front().first, "version");
@@ -214,7 +205,7 @@ void missing_ones_say_what_would_bring_them() {
 
 /// What an engine is not given is refused by its name.
 void refusals() {
-  for (const catalogue::Method* const method : engines()) {
+  for (const catalogue::Method* const method : test::engines(asked)) {
     Scenario scenario = test::random_tree(1, false);
     CHECK(catalogue::does(*method, scenario));
     scenario.mechanism.joints[0].opening_m = {0, 0, 1e-3};

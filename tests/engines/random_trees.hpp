@@ -1,47 +1,15 @@
 #pragma once
 // Trees of bodies for engines in joint coordinates: every kind of joint, bodies with tensors of their own, loads.
 #include <cmath>
-#include <random>
 #include <string>
 
 #include "odeval/scenario.hpp"
+#include "tests/random_joints.hpp"
 
 namespace odeval::test {
 
-/// The same numbers with every standard library.
-class Draw {
- public:
-  explicit Draw(unsigned seed) : engine_(seed) {}
-  double within(double low, double high) {
-    return low + (high - low) * static_cast<double>(engine_()) / static_cast<double>(std::mt19937::max());
-  }
-  std::size_t below(std::size_t count) { return engine_() % count; }
-  Vec3 vector(double size) { return {within(-size, size), within(-size, size), within(-size, size)}; }
-  Vec3 direction() { return unit(vector(1)); }
-
- private:
-  std::mt19937 engine_;
-};
-
-/// Kinds by number, so that five in a row are all.
-inline JointKind kind_of(Draw& draw, std::size_t number, const Vec3& anchor) {
-  const Vec3 axis = draw.direction();
-  switch (number % 5) {
-    case 0:
-      return HingeJoint{anchor, axis};
-    case 1:
-      return BallJoint{anchor};
-    case 2:
-      return SliderJoint{anchor, axis};
-    case 3:
-      return UniversalJoint{anchor, axis, unit(cross(axis, draw.direction()))};
-    default:
-      return FixedJoint{anchor};
-  }
-}
-
 /// A tensor that a body could have: moments of a box along turned axes, which the products of inertia show.
-inline std::array<double, 9> any_tensor(Draw& draw, double mass_kg) {
+inline std::array<double, 9> any_tensor(Random& draw, double mass_kg) {
   const double moment = mass_kg * draw.within(0.02, 0.05);
   const Vec3 along = draw.direction();
   std::array<double, 9> tensor{};
@@ -56,7 +24,7 @@ inline std::array<double, 9> any_tensor(Draw& draw, double mass_kg) {
 /// Every other one hangs on the world, the others fly. The first body of a joint is the one that carries or the one
 /// that hangs. `loads`: springs, torques and controllers on hinges and sliders.
 inline Scenario random_tree(unsigned seed, bool loads) {
-  Draw draw(seed);
+  Random draw(seed);
   Scenario scenario;
   scenario.name = "tree" + std::to_string(seed);
   scenario.duration_s = 0.5;
@@ -77,7 +45,7 @@ inline Scenario random_tree(unsigned seed, bool loads) {
     }
     const std::size_t parent = on_world ? 0 : draw.below(i);
     // Fixed to the world nothing would move.
-    const JointKind kind = kind_of(draw, on_world ? seed / 2 % 4 : seed + i, body.position_m + draw.vector(0.4));
+    const JointKind kind = any_kind(draw, (on_world ? seed / 2 % 4 : seed + i) % 5, body.position_m + draw.vector(0.4));
     const bool parent_first = !on_world && draw.below(2) == 0;
     Joint joint{.kind = kind, .first = parent_first ? parent : i, .second = {}};
     if (!on_world) joint.second = parent_first ? i : parent;
