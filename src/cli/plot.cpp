@@ -38,7 +38,7 @@ struct Options {
   bool quiet = false;
 };
 
-const Column& column_of(const CsvColumns& table, const std::string& name, const std::string& file) {
+const Column& column_of(const CsvColumns& table, std::string_view name, const std::string& file) {
   const auto found = std::ranges::find(table.header, name);
   if (found == table.header.end()) {
     throw UserError(fmt::format("{}: has no column '{}'{}", file, name, nearest_hint(name, table.header)));
