@@ -112,8 +112,8 @@ struct Work {
 /// How far the halves of a joint were apart at most.
 struct Gap {
   double largest_m = 0;
-  double t_s = 0;          // when
-  std::int32_t joint = 0;  // from 1 in order of creation; 0: none
+  double t_s = 0;           // when
+  std::uint32_t joint = 0;  // from 1 in order of creation; 0: none
 };
 
 /// A step of the program, of the world made `world`-th, from 1.
@@ -200,7 +200,6 @@ struct Answer {
   double first_message_t_s = 0;                     // end of its step
   std::map<std::uint32_t, std::string> body_names;  // from 1, those that the program named
   std::map<std::uint32_t, std::string> joint_names;
-  double ode_s = 0;  // within ODE, of the unchanged run
   SolverWork solver;
 
   std::vector<ProgramRun> runs;     // the unchanged first

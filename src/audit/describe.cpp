@@ -13,9 +13,9 @@
 namespace odeval::audit {
 namespace {
 
-Work work_of(const Frame& frame) {
-  return {frame.work_added,    frame.work_motors,  frame.work_joints,
-          frame.work_contacts, frame.work_damping, frame.work_program};
+Work work_of(const Account& account) {
+  return {account.work_added,    account.work_motors,  account.work_joints,
+          account.work_contacts, account.work_damping, account.work_program};
 }
 
 /// Of ODE's kinds of joints, in their order.
@@ -60,8 +60,8 @@ std::vector<JointSummary> read_summaries(const std::filesystem::path& record) {
 class Counts {
  public:
   /// Raises the most at a time to what there is now.
-  void add(const Frame& frame, Answer& answer) {
-    worlds_[frame.world] = {frame.bodies, frame.joints, frame.contacts};
+  void add(const Recording::Moment& moment, Answer& answer) {
+    worlds_[moment.frame.world] = {moment.frame.bodies, moment.account->joints, moment.account->contacts};
     std::array<std::uint32_t, 3> sum{};
     for (const auto& [world, counts] : worlds_) {
       for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += counts[i];
@@ -76,9 +76,9 @@ class Counts {
   std::map<std::uint32_t, std::array<std::uint32_t, 3>> worlds_;
 };
 
-/// Of all worlds, at the time of the frame, and its gap.
-EnergyPoint sum_of(const std::map<std::uint32_t, EnergyPoint>& worlds, const Frame& frame) {
-  EnergyPoint sum{.t_s = frame.t, .gap_m = frame.gap, .depth_m = frame.depth};
+/// Of all worlds, at the time of the moment, and its gap.
+EnergyPoint sum_of(const std::map<std::uint32_t, EnergyPoint>& worlds, const Recording::Moment& moment) {
+  EnergyPoint sum{.t_s = moment.frame.t, .gap_m = moment.account->gap, .depth_m = moment.account->depth};
   for (const auto& [number, world] : worlds) {
     sum.kinetic_J += world.kinetic_J;
     sum.potential_J += world.potential_J;
@@ -116,7 +116,9 @@ std::optional<Parting> parting(const std::filesystem::path& one, const std::file
     }
     if (!same_bodies(*ours, *theirs)) return Parting{ours->frame.step, ours->frame.t, 0};
     for (std::size_t i = 0; i < ours->bodies.size(); ++i) {
-      if (std::memcmp(&ours->bodies[i], &theirs->bodies[i], sizeof(BodySample)) == 0) continue;
+      const bool same = std::memcmp(&ours->bodies[i], &theirs->bodies[i], sizeof(BodySample)) == 0 &&
+                        std::memcmp(&ours->motions[i], &theirs->motions[i], sizeof(MotionSample)) == 0;
+      if (same) continue;
       return Parting{ours->frame.step, ours->frame.t, ours->bodies[i].body + 1};
     }
   }
@@ -138,25 +140,26 @@ void describe(const std::filesystem::path& unchanged, Answer& answer) {
   Thinned<EnergyPoint> curve;
   for (auto moment = run.next(); moment; moment = run.next()) {
     const Frame& frame = moment->frame;
+    const Account& account = *moment->account;
     if (const std::uint32_t body = not_finite(*moment)) {
       answer.diverged = Parting{frame.step, frame.t, body};
       break;
     }
     EnergyPoint& world = worlds[frame.world];
-    world = {frame.t, frame.kinetic, frame.potential, work_of(frame), frame.gap, frame.depth};
-    curve.add(sum_of(worlds, frame));
+    world = {frame.t, frame.kinetic, frame.potential, work_of(account), account.gap, account.depth};
+    curve.add(sum_of(worlds, *moment));
     if (frame.step == 0) {
       answer.energy.begin_J += world.kinetic_J + world.potential_J;
       continue;
     }
-    if (answer.messages > 0 && answer.first_message_t_s == 0 && frame.messages > 0) answer.first_message_t_s = frame.t;
+    if (answer.messages > 0 && answer.first_message_t_s == 0 && account.messages > 0)
+      answer.first_message_t_s = frame.t;
     if (answer.h_s == 0) answer.h_s = frame.h;
     answer.h_varies = answer.h_varies || frame.h != answer.h_s;
-    (frame.quick != 0 ? quick : plain) = true;
-    counts.add(frame, answer);
-    answer.depth_m = std::max(answer.depth_m, frame.depth);
-    answer.ode_s += frame.ode_s;
-    if (frame.gap > answer.gap.largest_m) answer.gap = {frame.gap, frame.t, frame.gap_joint + 1};
+    (account.quick != 0 ? quick : plain) = true;
+    counts.add(*moment, answer);
+    answer.depth_m = std::max(answer.depth_m, account.depth);
+    if (account.gap > answer.gap.largest_m) answer.gap = {account.gap, frame.t, account.gap_joint};
   }
   const EnergyPoint end = sum_of(worlds, {});
   answer.energy.end_J = end.kinetic_J + end.potential_J;
@@ -169,8 +172,9 @@ void each_step(const std::filesystem::path& record, const std::function<void(con
   Recording run(record);
   for (auto moment = run.next(); moment; moment = run.next()) {
     const Frame& frame = moment->frame;
-    take({frame.world + 1, frame.t, frame.kinetic, frame.potential, work_of(frame), frame.gap, frame.contacts,
-          frame.depth, frame.messages});
+    const Account& account = *moment->account;
+    take({frame.world + 1, frame.t, frame.kinetic, frame.potential, work_of(account), account.gap, account.contacts,
+          account.depth, account.messages});
   }
 }
 

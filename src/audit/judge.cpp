@@ -97,7 +97,7 @@ class Judge {
     for (std::size_t i = 0; i < own.bodies.size(); ++i) take_body(i);
     energies_.clear();
     for (const Moment& moment : moments_) energies_.push_back(moment.frame.kinetic + moment.frame.potential);
-    touched_ = touched_ || own.frame.contacts > 0;
+    touched_ = touched_ || own.account->contacts > 0;
     take_moved(own);
     chaos_.steps = own.frame.step * static_cast<std::uint64_t>(records_.refinements.back());
     answer_.until_s = std::max(answer_.until_s, own.frame.t);
@@ -137,8 +137,8 @@ class Judge {
     most_turned_ = std::max(most_turned_, audit::turn(own.quaternion, path.start.quaternion));
     const double h = moments_.front().frame.h;
     if (own.kinematic == 0) {
-      path.velocity.add(own.velocity, h);
-      path.spin.add(own.spin, h);
+      path.velocity.add(moments_.front().motions[i].velocity, h);
+      path.spin.add(moments_.front().motions[i].spin, h);
     }
     unseen_m_ = std::max(unseen_m_, path.velocity.unseen(records_.refinements.back()));
     unseen_rad_ = std::max(unseen_rad_, path.spin.unseen(records_.refinements.back()));

@@ -48,7 +48,7 @@ class Beside {
       run_.reset();
       return nullptr;
     }
-    if (moment_->frame.step > 0) steps_.push_back(static_cast<float>(moment_->frame.ode_s));
+    if (moment_->frame.ode_s > 0) steps_.push_back(static_cast<float>(moment_->frame.ode_s));
     return &*moment_;
   }
   double cost_of_step() { return cost_of(steps_); }

@@ -15,7 +15,9 @@
 
 namespace odeval::audit {
 
-static_assert(sizeof(Frame) % alignof(BodySample) == 0);
+// So that each of them, one after the other, stands where it may.
+static_assert(sizeof(Frame) % alignof(BodySample) == 0 && sizeof(BodySample) % alignof(MotionSample) == 0 &&
+              sizeof(MotionSample) % alignof(Account) == 0 && sizeof(Account) % alignof(Frame) == 0);
 
 Recording::Recording(const std::filesystem::path& file) {
   const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
@@ -75,9 +77,16 @@ std::optional<Recording::Moment> Recording::next() {
   if (end_ - at_ < sizeof(Frame)) return std::nullopt;
   Moment moment{};
   std::memcpy(&moment.frame, frames_ + at_, sizeof(Frame));
-  const std::size_t whole = sizeof(Frame) + moment.frame.bodies * sizeof(BodySample);
+  const std::size_t count = moment.frame.bodies;
+  const std::size_t motions = moment.frame.has_motions != 0 ? count : 0;
+  const std::size_t after_bodies = sizeof(Frame) + count * sizeof(BodySample);
+  const std::size_t after_motions = after_bodies + motions * sizeof(MotionSample);
+  const std::size_t whole = after_motions + (moment.frame.has_account != 0 ? sizeof(Account) : 0);
   if (moment.frame.bytes != whole || end_ - at_ < whole) return std::nullopt;
-  moment.bodies = {reinterpret_cast<const BodySample*>(frames_ + at_ + sizeof(Frame)), moment.frame.bodies};
+  const std::byte* const begin = frames_ + at_;
+  moment.bodies = {reinterpret_cast<const BodySample*>(begin + sizeof(Frame)), count};
+  moment.motions = {reinterpret_cast<const MotionSample*>(begin + after_bodies), motions};
+  if (moment.frame.has_account != 0) moment.account = reinterpret_cast<const Account*>(begin + after_motions);
   at_ += whole;
   return moment;
 }
@@ -92,10 +101,10 @@ std::uint32_t not_finite(const Recording::Moment& moment) {
   const auto finite = [](const auto& values) {
     return std::ranges::all_of(values, [](double x) { return std::isfinite(x); });
   };
-  for (const BodySample& body : moment.bodies) {
-    if (!finite(body.position) || !finite(body.quaternion) || !finite(body.velocity) || !finite(body.spin)) {
-      return body.body + 1;
-    }
+  for (std::size_t i = 0; i < moment.bodies.size(); ++i) {
+    const BodySample& body = moment.bodies[i];
+    const bool moves = moment.motions.empty() || (finite(moment.motions[i].velocity) && finite(moment.motions[i].spin));
+    if (!moves || !finite(body.position) || !finite(body.quaternion)) return body.body + 1;
   }
   return 0;
 }

@@ -30,6 +30,10 @@ class Recording {
   struct Moment {
     Frame frame;
     std::span<const BodySample> bodies;
+    std::span<const MotionSample> motions;  // of those, or none
+    const Account* account = &none;
+
+    static constexpr Account none{};
   };
   /// The next frame; nothing after the last, or where what follows is no frame.
   std::optional<Moment> next();

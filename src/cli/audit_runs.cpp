@@ -71,6 +71,7 @@ struct Run {
   std::string set{};     // in the place of the program's settings
   bool numbers = false;  // held, where the audit holds springs
   bool ledger = false;
+  bool motions = false;  // velocities, to be compared
   run::ProgramEnd end{};
 };
 
@@ -120,7 +121,7 @@ class Audit {
     answer.program = fmt::format("{}", fmt::join(options_.program, " "));
     answer.springs_held = options_.hold == "springs";
     answer.contacts_held = options_.contacts == "held";
-    runs_ = {Run{.ledger = true}, Run{}};
+    runs_ = {Run{.ledger = true}, Run{.motions = true}};
     if (const int signal = run_from(0)) return signal;
     find_parting(answer);
     audit::describe(scratch_.record(0), answer);
@@ -182,6 +183,8 @@ class Audit {
                             {environment::hold, run.numbers ? "numbers" : options_.hold},
                             {environment::set, run.set},
                             {environment::ledger, run.ledger ? "1" : "0"},
+                            {environment::motions, run.motions ? "1" : "0"},
+                            {environment::timed, run.motions || !run.set.empty() ? "1" : "0"},
                             {environment::contacts, options_.contacts},
                             {environment::most_bytes, number_text(most_bytes())},
                             {environment::until, number_text(until_s(run))},

@@ -6,9 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
-#include "output/json_number.hpp"
 #include "output/number.hpp"
 #include "output/table.hpp"
 
@@ -19,7 +17,6 @@ using audit::Answer;
 using audit::Convergence;
 using audit::ErrorUntil;
 using audit::Estimate;
-using Json = nlohmann::ordered_json;
 
 // So that all is at most 25 lines.
 constexpr std::size_t most_rows = 5;  // of errors
@@ -67,6 +64,21 @@ const char* convergence_word(Convergence convergence) {
 
 bool only_bounded(const Estimate& error) {
   return error.convergence == Convergence::rough && error.uncertainty >= error.value;
+}
+
+bool has_limit(const Answer& answer) {
+  return !answer.error_at.empty() && answer.error_at[answer.tried_at].convergence() != Convergence::none;
+}
+
+const audit::Tried* cheapest(const Answer& answer) {
+  const double own = answer.error_at[answer.tried_at].distance_m.value;
+  const audit::Tried* best = nullptr;
+  for (const audit::Tried& one : answer.tried) {
+    const Estimate& error = one.distance_m[answer.tried_at];
+    const bool keeps = error.value <= 1.1 * own && error.convergence != Convergence::none;
+    if (keeps && one.work < (best != nullptr ? best->work : 0.95)) best = &one;
+  }
+  return best;
 }
 
 std::string most_text(const Estimate& error) {
@@ -131,11 +143,6 @@ std::string verdict_line(const Answer& answer) {
                      bad->t_s);
 }
 
-/// Whether there is an error that steps and settings can be told by.
-bool has_limit(const Answer& answer) {
-  return !answer.error_at.empty() && answer.error_at[answer.tried_at].convergence() != Convergence::none;
-}
-
 /// Of the refinements.
 int finest(const Answer& answer) {
   return std::ranges::max_element(answer.runs, {}, &audit::ProgramRun::refinement)->refinement;
@@ -158,19 +165,6 @@ std::string steps_line(const Answer& answer) {
                                             answer.h_s / finest(answer)));
   }
   return fmt::format("for an error until {:.3g} s of {}", answer.steps_for_t_s, fmt::join(words, ", of "));
-}
-
-/// Of what was tried, that keeps the error within a tenth; null where the program's own settings are as cheap, to a
-/// twentieth.
-const audit::Tried* cheapest(const Answer& answer) {
-  const double own = answer.error_at[answer.tried_at].distance_m.value;
-  const audit::Tried* best = nullptr;
-  for (const audit::Tried& one : answer.tried) {
-    const Estimate& error = one.distance_m[answer.tried_at];
-    const bool keeps = error.value <= 1.1 * own && error.convergence != Convergence::none;
-    if (keeps && one.work < (best != nullptr ? best->work : 0.95)) best = &one;
-  }
-  return best;
 }
 
 /// The best of what was tried, and all that the user asked for, beside the program's own; what changes nothing in a
@@ -217,10 +211,6 @@ std::string softness_line(const Answer& answer) {
   return fmt::format("counts: with ERP and CFM held as numbers a smaller step leads {:.2g} m elsewhere", more);
 }
 
-}  // namespace
-
-namespace {
-
 /// Where the energy goes; parts below a thousandth of the largest are left out.
 std::string work_line(const Answer& answer) {
   const audit::Work& work = answer.work;
@@ -249,9 +239,8 @@ std::string percent(std::uint64_t part, std::uint64_t whole) {
 std::string joints_line(const Answer& answer) {
   std::vector<std::string> words;
   if (answer.gap.joint > 0) {
-    words.push_back(fmt::format("{} is the worst: {:.3g} m apart at {:.3g} s",
-                                joint_name(answer, static_cast<std::uint32_t>(answer.gap.joint)), answer.gap.largest_m,
-                                answer.gap.t_s));
+    words.push_back(fmt::format("{} is the worst: {:.3g} m apart at {:.3g} s", joint_name(answer, answer.gap.joint),
+                                answer.gap.largest_m, answer.gap.t_s));
   }
   const auto motor = std::ranges::max_element(answer.joint_summaries, {}, &audit::JointSummary::at_limit);
   if (motor != answer.joint_summaries.end() && motor->at_limit > 0) {
@@ -269,44 +258,6 @@ std::string contact_words(const Answer& answer) {
   text += deepest->bodies[1] == 0 ? " on the world" : " on " + body_name(answer, deepest->bodies[1]);
   if (deepest->rough > 0) text += ", sliding in " + percent(deepest->sliding, deepest->rough) + " of its steps";
   return text;
-}
-
-Json joint_json(const audit::JointSummary& joint) {
-  const bool is_contact = joint.number == 0;
-  Json json = {{"kind", joint.kind},
-               {"bodies", {joint.bodies[0], joint.bodies[1]}},
-               {"steps", joint.steps},
-               {is_contact ? "depth" : "gap", json_number(joint.largest_m)},
-               {"at", json_number(joint.largest_t_s)},
-               {"force", json_number(joint.force_N)},
-               {"work", json_number(joint.work_J)}};
-  if (is_contact) {
-    json["friction_share"] = joint.rough > 0 ? json_number(joint.friction_share) : Json();
-    json["steps_sliding"] = joint.sliding;
-    return json;
-  }
-  json["joint"] = joint.number;
-  json["torque"] = json_number(joint.torque_Nm);
-  json["motor_work"] = json_number(joint.motor_work_J);
-  json["steps_at_limit"] = joint.at_limit;
-  json["steps_at_stop"] = joint.at_stop;
-  return json;
-}
-
-void add_ledger(const Answer& answer, Json& json) {
-  const audit::Work& work = answer.work;
-  json["work"] = {{"added", json_number(work.added)},
-                  {"motors", json_number(work.motors)},
-                  {"joints", json_number(work.joints)},
-                  {"contacts", json_number(work.contacts)},
-                  {"damping", json_number(work.damping)},
-                  {"program", json_number(work.program)},
-                  {"step", json_number(answer.energy.end_J - answer.energy.begin_J - work.sum())}};
-  json["joint_list"] = Json::array();
-  json["contact_list"] = Json::array();
-  for (const audit::JointSummary& joint : answer.joint_summaries) {
-    json[joint.number > 0 ? "joint_list" : "contact_list"].push_back(joint_json(joint));
-  }
 }
 
 }  // namespace
@@ -343,97 +294,6 @@ AuditLines audit_lines(const Answer& answer) {
   return lines;
 }
 
-namespace {
-
-Json json_of(const Estimate& error) {
-  return {{"value", json_number(error.value)},
-          {"uncertainty", json_number(error.uncertainty)},
-          {"only_bounded", only_bounded(error)},
-          {"convergence", convergence_word(error.convergence)}};
-}
-void add_turn(Json& row, const Estimate& turn) {
-  row["turn"] = json_number(turn.value);
-  row["turn_uncertainty"] = json_number(turn.uncertainty);
-  row["turn_only_bounded"] = only_bounded(turn);
-  row["turn_convergence"] = convergence_word(turn.convergence);
-}
-Json json_of(const std::optional<double>& number) { return number ? json_number(*number) : Json(); }
-
-Json errors_json(const Answer& answer) {
-  Json list = Json::array();
-  for (const ErrorUntil& row : answer.error_at) {
-    Json one = {{"t", row.t_s}};
-    one.update(json_of(row.distance_m));
-    add_turn(one, row.turn_rad);
-    one["order"] = json_of(row.order);
-    one["body"] = row.body;
-    list.push_back(std::move(one));
-  }
-  return list;
-}
-
-Json bodies_json(const Answer& answer) {
-  Json list = Json::array();
-  for (const audit::BodyError& row : answer.error_of_body) {
-    Json one = {{"t", row.t_s}, {"body", row.body}};
-    one.update(json_of(row.distance_m));
-    add_turn(one, row.turn_rad);
-    list.push_back(std::move(one));
-  }
-  return list;
-}
-
-/// By number.
-Json names_json(const std::map<std::uint32_t, std::string>& names) {
-  Json object = Json::object();
-  for (const auto& [number, name] : names) object[std::to_string(number)] = name;
-  return object;
-}
-
-Json tried_json(const Answer& answer) {
-  Json list = Json::array();
-  for (const audit::Tried& tried : answer.tried) {
-    Json errors = Json::array();
-    for (std::size_t i = 0; i < tried.distance_m.size(); ++i) {
-      Json one = {{"t", answer.error_at[i].t_s}};
-      one.update(json_of(tried.distance_m[i]));
-      errors.push_back(std::move(one));
-    }
-    list.push_back({{"set", tried.set},
-                    {"error_at", std::move(errors)},
-                    {"work_ratio", json_number(tried.work)},
-                    {"cpu_ratio", json_number(tried.cpu)}});
-  }
-  return list;
-}
-
-/// What leaves less than half of the error; nothing where nothing does.
-Json recommended_json(const Answer& answer) {
-  if (!has_limit(answer)) return {};
-  const auto error = [&](const audit::Tried& one) { return one.distance_m[answer.tried_at].value; };
-  const audit::Tried* best = nullptr;
-  for (const audit::Tried& one : answer.tried) {
-    if (std::isnan(error(one))) continue;  // it has ended before
-    if (best == nullptr || error(one) < error(*best)) best = &one;
-  }
-  const bool worth_it = best != nullptr && error(*best) < 0.5 * answer.error_at[answer.tried_at].distance_m.value;
-  return worth_it ? Json(best->set) : Json();
-}
-
-Json runs_json(const Answer& answer) {
-  Json list = Json::array();
-  for (const audit::ProgramRun& run : answer.runs) {
-    list.push_back({{"run", run.what},
-                    {"refinement", run.refinement},
-                    {"end", run.end},
-                    {"steps", run.steps},
-                    {"simulated_s", json_number(run.simulated_s)}});
-  }
-  return list;
-}
-
-}  // namespace
-
 std::string audit_text(const Answer& answer) {
   std::string text = answer.program + "\n";
   text += audit_head(answer) + "\n";
@@ -454,83 +314,6 @@ std::string audit_text(const Answer& answer) {
     text += fmt::format("{:<9}  {}\n", i == 0 ? "limits" : "", answer.limits[i]);
   }
   return text;
-}
-
-std::string audit_json(const Answer& answer) {
-  const audit::ProgramRun& own = answer.runs.front();
-  std::vector<int> refinements;
-  for (const audit::ProgramRun& run : answer.runs) {
-    if (refinements.empty() || run.refinement > refinements.back()) refinements.push_back(run.refinement);
-  }
-  Json json = {{"program", answer.program},
-               {"exit_status", own.exit_status ? Json(*own.exit_status) : Json()},
-               {"end", own.end},
-               {"repeatable", !answer.parting},
-               {"stepper", answer.stepper},
-               {"h", json_number(answer.h_s)},
-               {"h_varies", answer.h_varies},
-               {"steps", own.steps},
-               {"bodies", answer.bodies},
-               {"joints", answer.joints},
-               {"messages", answer.messages},
-               {"first_message", answer.first_message},
-               {"refinements", refinements},
-               {"hold", answer.springs_held ? "springs" : "numbers"},
-               {"reason", answer.reason.empty() ? Json() : Json(answer.reason)}};
-  if (answer.parting) {
-    json["parting"] = {{"step", answer.parting->step}, {"t", answer.parting->t_s}, {"body", answer.parting->body}};
-  }
-  if (answer.diverged) {
-    json["diverged"] = {{"step", answer.diverged->step}, {"t", answer.diverged->t_s}, {"body", answer.diverged->body}};
-  }
-  const ErrorUntil* last = answer.error_at.empty() ? nullptr : &answer.error_at.back();
-  json["order"] = last != nullptr ? json_of(last->order) : Json();
-  json["convergence"] = last != nullptr ? Json(convergence_word(last->convergence())) : Json();
-  json["until"] = json_number(answer.until_s);
-  json["lost_at"] = json_of(answer.lost_at_s);
-  json["growth"] = json_of(answer.growth);
-  json["error_at"] = errors_json(answer);
-  json["error_of_body"] = bodies_json(answer);
-  Json steps = Json::array();
-  for (const audit::StepFor& one : answer.steps_for) {
-    steps.push_back({{"error", one.distance_m}, {"until", answer.steps_for_t_s}, {"h", json_of(one.h_s)}});
-  }
-  json["step_for"] = std::move(steps);
-  json["settings"] = tried_json(answer);
-  json["recommended"] = recommended_json(answer);
-  const audit::Tried* cheap = has_limit(answer) ? cheapest(answer) : nullptr;
-  json["cheapest"] = cheap != nullptr ? Json(cheap->set) : Json();
-  json["softness"] = json_of(answer.softness_m);
-  json["energy"] = {{"begin", json_number(answer.energy.begin_J)},
-                    {"end", json_number(answer.energy.end_J)},
-                    {"error", json_of(answer.energy.error_J)}};
-  json["worst"] = {{"body", last != nullptr ? Json(last->body) : Json()},
-                   {"joint", answer.gap.joint > 0 ? Json(answer.gap.joint) : Json()},
-                   {"gap", json_number(answer.gap.largest_m)},
-                   {"contacts", answer.contacts},
-                   {"depth", json_number(answer.depth_m)}};
-  add_ledger(answer, json);
-  json["body_names"] = names_json(answer.body_names);
-  json["joint_names"] = names_json(answer.joint_names);
-  json["runs"] = runs_json(answer);
-  json["limits"] = answer.limits;
-  return json.dump(2) + "\n";
-}
-
-AuditSteps::AuditSteps(const std::filesystem::path& file) : file_(file) {
-  file_.write(
-      "world,t,kinetic,potential,energy,work_added,work_motors,work_joints,work_contacts,work_damping,"
-      "work_program,gap,contacts,depth,messages\n");
-}
-
-void AuditSteps::add(const audit::StepRow& row) {
-  const audit::Work& work = row.work;
-  std::string line = std::to_string(row.world);
-  for (const double value : {row.t_s, row.kinetic_J, row.potential_J, row.kinetic_J + row.potential_J, work.added,
-                             work.motors, work.joints, work.contacts, work.damping, work.program, row.gap_m}) {
-    line += ',' + number_text(value);
-  }
-  file_.write(fmt::format("{},{},{},{}\n", line, row.contacts, number_text(row.depth_m), row.messages));
 }
 
 }  // namespace odeval

@@ -13,6 +13,8 @@ inline constexpr const char* set = "ODEVAL_AUDIT_SET";                // "erp=0.
 inline constexpr const char* move = "ODEVAL_AUDIT_MOVE";              // m, bodies at the start
 inline constexpr const char* record = "ODEVAL_AUDIT_RECORD";          // file; without it nothing is recorded
 inline constexpr const char* ledger = "ODEVAL_AUDIT_LEDGER";          // "1": works, joints, contacts and geoms as well
+inline constexpr const char* motions = "ODEVAL_AUDIT_MOTIONS";        // "1": velocities as well; with a ledger always
+inline constexpr const char* timed = "ODEVAL_AUDIT_TIMED";            // "1": some steps, within ODE
 inline constexpr const char* most_bytes = "ODEVAL_AUDIT_MOST_BYTES";  // of the file
 
 // Of the simulated clock, a library of its own.

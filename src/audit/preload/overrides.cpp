@@ -68,35 +68,29 @@ void start_half_a_step_earlier(World& world, dReal h, Overrides::Stepper stepper
 Overrides::Overrides(const std::string& text) {
   std::istringstream in(text);
   for (std::string part; std::getline(in, part, ',');) {
-    const std::size_t sign = part.find('=');
-    if (sign != std::string::npos) values_[part.substr(0, sign)] = part.substr(sign + 1);
+    const std::string key = part.substr(0, part.find('='));
+    const std::string value = part.substr(std::min(part.size(), key.size() + 1));
+    for (const Number& row : numbers) {
+      if (key == row.key) numbers_.emplace_back(row.set, std::strtod(value.c_str(), nullptr));
+    }
+    if (key == "rotation") finite_rotation_ = value == "finite" ? 1 : 0;
+    if (part == "start=half-step") starts_half_a_step_earlier_ = true;
+    if (part == "stepper=quick") stepper_ = ODEVAL_OWN(dWorldQuickStep);
+    if (part == "stepper=step") stepper_ = ODEVAL_OWN(dWorldStep);
+    if (part == "stepper=accurate") stepper_ = Session::accurately;
   }
-}
-
-bool Overrides::says(const char* key, const char* word) const {
-  const auto found = values_.find(key);
-  return found != values_.end() && found->second == word;
 }
 
 void Overrides::begin(World& world, dReal h, Stepper stepper) const {
-  if (says("start", "half-step")) start_half_a_step_earlier(world, h, stepper);
+  if (starts_half_a_step_earlier_) start_half_a_step_earlier(world, h, stepper);
 }
 
 void Overrides::apply(World& world) const {
-  if (values_.empty()) return;
-  for (const Number& row : numbers) {
-    const auto found = values_.find(row.key);
-    if (found != values_.end()) row.set(world.id, std::strtod(found->second.c_str(), nullptr));
-  }
-  if (values_.find("rotation") == values_.end()) return;
-  for (const Body& body : world.bodies) dBodySetFiniteRotationMode(body.id, says("rotation", "finite") ? 1 : 0);
+  for (const auto& [set, value] : numbers_) set(world.id, value);
+  if (finite_rotation_ < 0) return;
+  for (const Body& body : world.bodies) dBodySetFiniteRotationMode(body.id, finite_rotation_);
 }
 
-Overrides::Stepper Overrides::chosen(Stepper of_program) const {
-  if (says("stepper", "quick")) return ODEVAL_OWN(dWorldQuickStep);
-  if (says("stepper", "accurate")) return Session::accurately;
-  if (says("stepper", "step")) return ODEVAL_OWN(dWorldStep);
-  return of_program;
-}
+Overrides::Stepper Overrides::chosen(Stepper of_program) const { return stepper_ != nullptr ? stepper_ : of_program; }
 
 }  // namespace odeval::audit

@@ -2,8 +2,9 @@
 // Settings that an audit tries in the place of the program's own.
 #include <ode/ode.h>
 
-#include <map>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "audit/preload/worlds.hpp"
 
@@ -24,9 +25,10 @@ class Overrides {
   Stepper chosen(Stepper of_program) const;
 
  private:
-  bool says(const char* key, const char* word) const;
-
-  std::map<std::string, std::string> values_;
+  std::vector<std::pair<void (*)(dWorldID, dReal), dReal>> numbers_;  // how each is set, and what to
+  Stepper stepper_ = nullptr;                                         // null: the program's
+  int finite_rotation_ = -1;                                          // 0, 1; -1: the program's
+  bool starts_half_a_step_earlier_ = false;
 };
 
 }  // namespace odeval::audit

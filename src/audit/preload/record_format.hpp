@@ -54,30 +54,19 @@ struct Head {
 };
 static_assert(sizeof(Head) <= head_bytes);
 
+/// Followed by as many bodies, their motions and the account: the latter two where there are any.
 struct Frame {
-  std::uint32_t bytes;     // of the frame with its bodies
-  std::uint32_t world;     // in order of creation, from 0
-  std::uint64_t step;      // of that world; 0 before the first
-  double t;                // s, after the step
-  double h;                // s
-  double kinetic;          // J
-  double potential;        // J
-  double gap;              // m, the largest of a joint
-  std::int32_t gap_joint;  // in order of creation, contacts not counted; -1: none
-  std::uint32_t quick;     // dWorldQuickStep
+  std::uint32_t bytes;  // of the frame with what follows it
+  std::uint32_t world;  // in order of creation, from 0
+  std::uint64_t step;   // of that world; 0 before the first
+  double t;             // s, after the step
+  double h;             // s
+  double kinetic;       // J
+  double potential;     // J
+  double ode_s;         // in the step, with collision detection; 0: the clock was not asked
   std::uint32_t bodies;
-  std::uint32_t joints;    // contacts not counted
-  std::uint32_t contacts;  // made for the step
-  std::uint32_t messages;  // of ODE in the step
-  double depth;            // m, the largest of those contacts
-  double ode_s;            // in the step, collision detection and contacts that were made anew within it included
-  // Work since the start of the world, J, where there is a ledger:
-  double work_added;   // by forces and torques of the program
-  double work_motors;  // and stops
-  double work_joints;  // otherwise
-  double work_contacts;
-  double work_damping;
-  double work_program;  // between steps
+  std::uint16_t has_motions;  // 1: of each body
+  std::uint16_t has_account;
 };
 
 struct BodySample {
@@ -85,8 +74,30 @@ struct BodySample {
   std::uint32_t kinematic;  // 1: its velocity is the program's
   double position[3];
   double quaternion[4];
+};
+
+struct MotionSample {
   double velocity[3];
   double spin[3];
+};
+
+/// Of the run with a ledger.
+struct Account {
+  double gap;               // m, the largest of a joint
+  std::uint32_t gap_joint;  // in order of creation from 1, contacts not counted; 0: none
+  std::uint32_t quick;      // dWorldQuickStep
+  std::uint32_t joints;     // contacts not counted
+  std::uint32_t contacts;   // made for the step, of bodies
+  std::uint32_t messages;   // of ODE in the step
+  std::uint32_t nothing;
+  double depth;  // m, the largest of those contacts
+  // Work since the start of the world, J:
+  double work_added;   // by forces and torques of the program
+  double work_motors;  // and stops
+  double work_joints;  // otherwise
+  double work_contacts;
+  double work_damping;
+  double work_program;  // between steps
 };
 
 /// A joint, or all contacts between two bodies, and what it came to at most. Beside the record in a file of

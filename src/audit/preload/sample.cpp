@@ -85,13 +85,47 @@ double gap(Joint& joint) {
   }
 }
 
-void sample_body(const Body& body, BodySample& sample) {
+BodySample sample_of(const Body& body) {
+  BodySample sample{};
   sample.body = body.number;
   sample.kinematic = dBodyIsKinematic(body.id) != 0 ? 1 : 0;
   std::copy_n(dBodyGetPosition(body.id), 3, sample.position);
   std::copy_n(dBodyGetQuaternion(body.id), 4, sample.quaternion);
+  return sample;
+}
+
+MotionSample motion_of(const Body& body) {
+  MotionSample sample{};
   std::copy_n(dBodyGetLinearVel(body.id), 3, sample.velocity);
   std::copy_n(dBodyGetAngularVel(body.id), 3, sample.spin);
+  return sample;
+}
+
+/// And what each joint's gap came to at most.
+Account account_of(World& world, const Sampler::Step& step) {
+  Account account{};
+  for (Joint& joint : world.joints) {
+    const double its = gap(joint);
+    if (joint.part != nullptr && its > joint.part->largest_m) {
+      joint.part->largest_m = its;
+      joint.part->largest_t = world.t;
+    }
+    if (its <= account.gap) continue;
+    account.gap = its;
+    account.gap_joint = joint.number + 1;
+  }
+  account.quick = step.quick ? 1 : 0;
+  account.joints = static_cast<std::uint32_t>(world.joints.size());
+  account.contacts = world.contacts;
+  account.messages = step.messages;
+  account.depth = world.depth;
+  account.work_added = world.work.added;
+  account.work_motors = world.work.motors;
+  account.work_joints = world.work.joints;
+  account.work_contacts = world.work.contacts;
+  account.work_damping = world.work.damping;
+  account.work_program = world.work.program;
+  return account;
 }
 
 }  // namespace
@@ -105,44 +139,31 @@ Energy energy_of(const World& world) {
 }
 
 const std::vector<char>& Sampler::take(World& world, const Step& step) {
-  Frame frame{};
-  bytes_.resize(sizeof frame + world.bodies.size() * sizeof(BodySample));
-  auto* sample = reinterpret_cast<BodySample*>(bytes_.data() + sizeof frame);
-  for (const Body& body : world.bodies) sample_body(body, *sample++);
+  const std::size_t of_body = sizeof(BodySample) + (motions_ ? sizeof(MotionSample) : 0);
+  bytes_.resize(sizeof(Frame) + world.bodies.size() * of_body + (account_ ? sizeof(Account) : 0));
+  char* place = bytes_.data();
+  const auto put = [&place](const auto& what) {
+    std::memcpy(place, &what, sizeof what);
+    place += sizeof what;
+  };
   const Energy energy = energy_of(world);
   world.energy = energy.sum();
-  frame.gap_joint = -1;
-  for (Joint& joint : world.joints) {
-    const double its = gap(joint);
-    if (joint.part != nullptr && its > joint.part->largest_m) {
-      joint.part->largest_m = its;
-      joint.part->largest_t = world.t;
-    }
-    if (its <= frame.gap) continue;
-    frame.gap = its;
-    frame.gap_joint = static_cast<std::int32_t>(joint.number);
+  put(Frame{.bytes = static_cast<std::uint32_t>(bytes_.size()),
+            .world = world.number,
+            .step = world.steps,
+            .t = world.t,
+            .h = step.h,
+            .kinetic = energy.kinetic,
+            .potential = energy.potential,
+            .ode_s = step.ode_s,
+            .bodies = static_cast<std::uint32_t>(world.bodies.size()),
+            .has_motions = motions_,
+            .has_account = account_});
+  for (const Body& body : world.bodies) put(sample_of(body));
+  if (motions_) {
+    for (const Body& body : world.bodies) put(motion_of(body));
   }
-  frame.bytes = static_cast<std::uint32_t>(bytes_.size());
-  frame.world = world.number;
-  frame.step = world.steps;
-  frame.t = world.t;
-  frame.h = step.h;
-  frame.kinetic = energy.kinetic;
-  frame.potential = energy.potential;
-  frame.quick = step.quick ? 1 : 0;
-  frame.bodies = static_cast<std::uint32_t>(world.bodies.size());
-  frame.joints = static_cast<std::uint32_t>(world.joints.size());
-  frame.contacts = world.contacts;
-  frame.messages = step.messages;
-  frame.depth = world.depth;
-  frame.ode_s = step.ode_s;
-  frame.work_added = world.work.added;
-  frame.work_motors = world.work.motors;
-  frame.work_joints = world.work.joints;
-  frame.work_contacts = world.work.contacts;
-  frame.work_damping = world.work.damping;
-  frame.work_program = world.work.program;
-  std::memcpy(bytes_.data(), &frame, sizeof frame);
+  if (account_) put(account_of(world, step));
   return bytes_;
 }
 

@@ -16,9 +16,11 @@ struct Energy {
 };
 Energy energy_of(const World& world);
 
-/// A frame with its bodies, as bytes, until the next call.
+/// A frame with what goes with it, as bytes, until the next call.
 class Sampler {
  public:
+  Sampler(bool motions, bool account) : motions_(motions), account_(account) {}
+
   struct Step {
     double h = 0;
     bool quick = false;
@@ -28,6 +30,8 @@ class Sampler {
   const std::vector<char>& take(World& world, const Step& step);
 
  private:
+  bool motions_;
+  bool account_;
   std::vector<char> bytes_;
 };
 

@@ -114,7 +114,8 @@ Session::Session()
     : settings_(read_settings()),
       follows_(dCheckConfiguration("ODE_double_precision") != 0),
       record_(settings_.record, settings_.most_bytes),
-      overrides_(settings_.set) {
+      overrides_(settings_.set),
+      sampler_(settings_.motions, settings_.ledger) {
   if (!follows_) {
     record_.remark(single_precision);
     return;
@@ -243,6 +244,8 @@ int Session::step(dWorldID id, dReal h, Stepper stepper, bool quick, const void*
   }
   messages_ -= messages;
   collide_s_ = 0;
+  constexpr std::uint64_t of = 7;  // steps one is timed: the clock takes as long as a body's sample
+  timed_ = settings_.timed && ++steps_ % of == 0;
   world.contacts = 0;
   world.depth = 0;
   collisions_.clear();
@@ -260,9 +263,9 @@ int Session::whole(World& world, dReal h, Stepper stepper) {
     world.work.program += energy_of(world).sum() - world.energy;
     step.emplace(*ledger_, world);
   }
-  const double begun_s = steady_s();
+  const double begun_s = now_s();
   const int result = stepper(world.id, h);
-  ode_s_ = steady_s() - begun_s;
+  ode_s_ = now_s() - begun_s;
   ++world.steps;
   world.t += h;
   if (step) {
@@ -274,36 +277,40 @@ int Session::whole(World& world, dReal h, Stepper stepper) {
 }
 
 int Session::parts(World& world, dReal h, Stepper stepper, const void* frame_of_step) {
-  const double begun_s = steady_s();
   const int k = settings_.refinement;
   world.keep_forces();
   Feedback feedback(world);
+  std::optional<Softened> softened;
   unsigned long seed = 0;
   int result = 1;
   for (int part = 0; part < k; ++part) {
     if (part > 0) {
-      renew_contacts(world, frame_of_step);
+      if (empty_contacts(frame_of_step)) {
+        softened.reset();  // what the program's callback reads is its own
+        renew_contacts(world);
+      }
       world.put_forces_back();
     }
-    std::optional<Softened> softened;
-    if (settings_.hold_springs) softened.emplace(world, k);
+    if (settings_.hold_springs && !softened) softened.emplace(world, k);
     result = stepper(world.id, h / k) != 0 ? result : 0;
-    softened.reset();
     feedback.add();
     if (part == 0) seed = dRandGetSeed();
   }
   feedback.hand_over();
   dRandSetSeed(seed);  // what the program draws next is what it would have drawn
-  ode_s_ = steady_s() - begun_s;
   ++world.steps;
   world.t += h;
   return result;
 }
 
-void Session::renew_contacts(World& world, const void* frame_of_step) {
-  if (collisions_.empty()) return;
-  if (!settings_.renew_contacts) return;
-  if (!collisions_.can_be_repeated(frame_of_step) || !worlds_.empty_contacts()) return record_.remark(contacts_stayed);
+bool Session::empty_contacts(const void* frame_of_step) {
+  if (collisions_.empty() || !settings_.renew_contacts) return false;
+  const bool emptied = collisions_.can_be_repeated(frame_of_step) && worlds_.empty_contacts();
+  if (!emptied) record_.remark(contacts_stayed);
+  return emptied;
+}
+
+void Session::renew_contacts(World& world) {
   ++collide_depth_;
   try {
     collisions_.repeat(world.id, worlds_.size() == 1);

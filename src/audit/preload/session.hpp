@@ -18,6 +18,8 @@
 
 namespace odeval::audit {
 
+double steady_s();
+
 class Session {
  public:
   using Stepper = int (*)(dWorldID, dReal);
@@ -89,12 +91,16 @@ class Session {
   unsigned parts_held() const {
     return follows_ && settings_.hold_springs ? static_cast<unsigned>(settings_.refinement) : 1;
   }
+  /// 0 where the step is not timed.
+  double now_s() const { return timed_ ? steady_s() : 0; }
   void describe(const World& world);
   void first_step(World& world, dReal h, Stepper stepper, bool quick);
   /// One of ODE's, with a ledger where there is one.
   int whole(World& world, dReal h, Stepper stepper);
   int parts(World& world, dReal h, Stepper stepper, const void* frame_of_step);
-  void renew_contacts(World& world, const void* frame_of_step);
+  /// Between the parts of a step. False where contacts are not to be made anew, or can not.
+  bool empty_contacts(const void* frame_of_step);
+  void renew_contacts(World& world);
   void require_thread();
   /// The calling thread is the one that steps and collides, until it ends. Ends the program where there is another.
   void take_thread();
@@ -110,13 +116,13 @@ class Session {
   Collisions collisions_;
   Sampler sampler_;
   int collide_depth_ = 0;
+  std::uint64_t steps_ = 0;                  // of all worlds
+  bool timed_ = false;                       // the next step, and the collisions for it
   double collide_s_ = 0;                     // since the last step
   double ode_s_ = 0;                         // of the step
   std::atomic<std::uint32_t> messages_ = 0;  // of any thread
   std::mutex lock_;
 };
-
-double steady_s();
 
 template <class Act>
 void Session::collide(dGeomID first, dGeomID second, void* data, dNearCallback* callback, const Act& act) {
@@ -126,9 +132,9 @@ void Session::collide(dGeomID first, dGeomID second, void* data, dNearCallback* 
   struct Depth {
     Session& session;
     double begun_s;
-    explicit Depth(Session& its) : session(its), begun_s(steady_s()) { ++session.collide_depth_; }
+    explicit Depth(Session& its) : session(its), begun_s(its.now_s()) { ++session.collide_depth_; }
     ~Depth() {
-      if (--session.collide_depth_ == 0) session.collide_s_ += steady_s() - begun_s;
+      if (--session.collide_depth_ == 0) session.collide_s_ += session.now_s() - begun_s;
     }
   };
   if (collide_depth_ == 0) collisions_.add(first, second, data, callback);

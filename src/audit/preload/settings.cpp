@@ -29,6 +29,8 @@ Settings read_settings() {
   settings.move_m = number(environment::move, settings.move_m);
   settings.record = word(environment::record);
   settings.ledger = word(environment::ledger) == "1" && settings.refinement == 1 && !settings.record.empty();
+  settings.motions = settings.ledger || word(environment::motions) == "1";
+  settings.timed = word(environment::timed) == "1";
   settings.most_bytes = number(environment::most_bytes, settings.most_bytes);
   return settings;
 }

@@ -10,9 +10,11 @@ struct Settings {
   bool renew_contacts = true;  // between those steps
   double until_s = 0;          // simulated, then the program ends; 0: as it likes
   std::string set;             // in place of the program's settings
+  bool timed = false;          // some steps, within ODE
   double move_m = 0;           // bodies at the start
   std::string record;          // file; empty: nothing is recorded
-  bool ledger = false;         // of what acts on the bodies; needs the record and a refinement of 1
+  bool motions = false;        // velocities are recorded as well
+  bool ledger = false;         // of what acts on the bodies; with motions; needs the record and a refinement of 1
   double most_bytes = 0;       // of the record; 0: as many as there are
 };
 
