@@ -215,10 +215,11 @@ struct Answer {
   std::optional<double> growth;          // of a distance of starts, the most
   double worst_t_s = 0;                  // when the error grew last until the time of steps_for
   std::size_t limit_degree = 0;          // of the polynomial in the step that the limit is from, until then
-  double steps_for_t_s = 0;              // the time that they keep it until
+  std::size_t told_at = 0;               // of error_at, the last time before the motion is lost that has a limit
+  double steps_for_t_s = 0;              // that time, which the steps keep the error until
   std::vector<StepFor> steps_for;
   std::vector<Tried> tried;
-  std::size_t tried_at = 0;          // of Answer::error_at, the time that steps_for has as well
+  std::size_t tried_at = 0;          // of error_at: told_at, or the last before it that a long run has early
   std::optional<double> softness_m;  // how far a run that holds numbers in the place of springs is from the limit, at
                                      // the refinement of which the same run with springs is `softness_of_step_m` off
   double softness_of_step_m = 0;

@@ -99,6 +99,7 @@ class Judge {
     for (const Moment& moment : moments_) energies_.push_back(moment.frame.kinetic + moment.frame.potential);
     touched_ = touched_ || own.account->contacts > 0;
     take_moved(own);
+    if (own.frame.step <= most_tried) tried_until_s_ = std::max(tried_until_s_, own.frame.t);
     chaos_.steps = own.frame.step * static_cast<std::uint64_t>(records_.refinements.back());
     answer_.until_s = std::max(answer_.until_s, own.frame.t);
     const Spread::Limit place = all_.distance.limit();
@@ -260,14 +261,20 @@ class Judge {
     std::erase_if(answer_.error_of_body, [&](const BodyError& row) { return row.t_s < answer_.error_at.front().t_s; });
   }
 
-  /// At the last time of the report before the motion is lost, until which there is a limit.
-  void find_steps() {
+  /// The last time of the report until `t_s`, or the first, that has a limit and is before the motion is lost.
+  std::size_t last_told(double t_s) const {
     const auto says_nothing = [&](const ErrorUntil& row) {
-      return row.convergence() == Convergence::none || (answer_.lost_at_s && row.t_s > *answer_.lost_at_s);
+      return row.convergence() == Convergence::none || row.t_s > std::min(t_s, answer_.lost_at_s.value_or(HUGE_VAL));
     };
     std::size_t last = answer_.error_at.size() - 1;
     while (last > 0 && says_nothing(answer_.error_at[last])) --last;
-    answer_.tried_at = last;
+    return last;
+  }
+
+  void find_steps() {
+    const std::size_t last = last_told(HUGE_VAL);
+    answer_.told_at = last;
+    answer_.tried_at = last_told(tried_until_s_ * (1 + rounding_of_time));
     answer_.steps_for_t_s = answer_.error_at[last].t_s;
     answer_.limit_degree = degrees_[last];
     for (const PathPoint& point : path_) {
@@ -302,6 +309,10 @@ class Judge {
   std::vector<double> values_;
   Errors all_;
   std::unordered_map<std::uint32_t, Followed> of_body_;
+  // Settings differ by what they do in each step, and not more after a hundred thousand: beyond, what is tried only
+  // costs.
+  static constexpr std::uint64_t most_tried = 100'000;
+  double tried_until_s_ = 0;
   double unseen_m_ = 0;  // of any body
   double unseen_rad_ = 0;
   std::vector<double> energies_;  // of the runs, at this step

@@ -42,7 +42,7 @@ struct Hidden {
 /// what is hidden at each of Answer::error_at.
 std::vector<Hidden> judge(const Records& records, Answer& answer);
 
-/// How far those that were tried, and the one with numbers, are from the limit, until Answer::steps_for_t_s: beyond,
+/// How far those that were tried, and the one with numbers, are from the limit, until Answer::tried_at: beyond,
 /// nothing is told of them. `hidden` is the judge's.
 void judge_tried(const Records& records, const std::vector<Hidden>& hidden, Answer& answer);
 

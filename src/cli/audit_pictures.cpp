@@ -145,7 +145,7 @@ std::vector<report::Section> worst_moment(const audit::Answer& answer, const aud
   if (scenes.empty()) return {};
   const Troupe troupe(records, scenes);
   render::Studio studio = troupe.studio();
-  const audit::ErrorUntil& row = answer.error_at[answer.tried_at];
+  const audit::ErrorUntil& row = answer.error_at[answer.told_at];
   report::Picture picture{
       .name = "worst",
       .title = fmt::format("At {:.4g} s, when the error until {:.4g} s was reached.", scenes.front().t_s, row.t_s),

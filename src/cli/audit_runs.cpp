@@ -137,7 +137,8 @@ class Audit {
       const std::vector<audit::Hidden> hidden = audit::judge(records(), answer);
       const std::size_t judged = runs_.size();
       // Every world is to get there: the first to do so may be steps before the others.
-      beside_until_s_ = answer.steps_for_t_s + std::max(answer.h_s, 0.01 * answer.steps_for_t_s);
+      tried_until_s_ = answer.error_at[answer.tried_at].t_s;
+      beside_until_s_ = tried_until_s_ + std::max(answer.h_s, 0.01 * tried_until_s_);
       for (const std::string& set : usual_tries(answer)) runs_.push_back({.set = set});
       for (const std::string& set : asked()) runs_.push_back({.set = set});
       if (answer.springs_held) runs_.push_back({.refinement = refinements_[1], .numbers = true});
@@ -198,7 +199,7 @@ class Audit {
     return std::floor(1e9 * options_.records_gb / static_cast<double>(usual + refinements_.size() + asked().size()));
   }
 
-  /// Beside the refined runs: nothing is told of it after Answer::steps_for_t_s.
+  /// Beside the refined runs: nothing is told of it after Answer::tried_at.
   static bool is_beside(const Run& run) { return !run.set.empty() || run.numbers; }
 
   double until_s(const Run& run) const {
@@ -410,7 +411,7 @@ class Audit {
     for (std::size_t i = 0; i < runs_.size(); ++i) {
       const audit::ProgramRun& run = answer.runs[i];
       if (run.what == accurately) continue;
-      const double to_reach_s = is_beside(runs_[i]) ? std::min(until_s, answer.steps_for_t_s) : until_s;
+      const double to_reach_s = is_beside(runs_[i]) ? std::min(until_s, tried_until_s_) : until_s;
       if (run.simulated_s < to_reach_s * (1 - 1e-9)) {
         const std::string which = run.what == "unchanged" ? "the second unchanged run" : "the run with " + run.what;
         answer.limits.push_back(fmt::format("{} reached {:.4g} s ({})", which, run.simulated_s, run.end));
@@ -448,8 +449,9 @@ class Audit {
   Scratch scratch_;
   std::vector<int> refinements_;
   double until_s_ = 0;
-  double beside_until_s_ = 0;
-  std::vector<Run> runs_;  // two unchanged, those refined, the one moved, those tried, the one with numbers
+  double tried_until_s_ = 0;   // what is told of those tried
+  double beside_until_s_ = 0;  // when they are ended
+  std::vector<Run> runs_;      // two unchanged, those refined, the one moved, those tried, the one with numbers
   std::size_t done_ = 0;
 };
 

@@ -66,8 +66,8 @@ bool only_bounded(const Estimate& error) {
   return error.convergence == Convergence::rough && error.uncertainty >= error.value;
 }
 
-bool has_limit(const Answer& answer) {
-  return !answer.error_at.empty() && answer.error_at[answer.tried_at].convergence() != Convergence::none;
+bool has_limit(const Answer& answer, std::size_t at) {
+  return !answer.error_at.empty() && answer.error_at[at].convergence() != Convergence::none;
 }
 
 const audit::Tried* cheapest(const Answer& answer) {
@@ -149,7 +149,8 @@ int finest(const Answer& answer) {
 }
 
 std::string steps_line(const Answer& answer) {
-  if (!has_limit(answer)) return "none is told, nor what other settings leave: there is no limit to hold them against";
+  if (!has_limit(answer, answer.told_at))
+    return "none is told, nor what other settings leave: there is no limit to hold them against";
   std::vector<std::string> words;
   std::vector<std::string> finer;  // distances that no run is known to keep
   for (const audit::StepFor& one : answer.steps_for) {
@@ -179,12 +180,12 @@ std::string tried_line(const Answer& answer) {
   std::ranges::stable_sort(order, [&](const audit::Tried* a, const audit::Tried* b) {
     return ended(a) || ended(b) ? ended(a) < ended(b) : error(a) < error(b);
   });
-  if (order.empty() || !has_limit(answer)) return "";
+  if (order.empty() || !has_limit(answer, answer.tried_at)) return "";
   const auto shown = [](const Estimate& its) {
     return (only_bounded(its) ? "at most " + most_text(its) : fmt::format("{:.3g}", its.value)) + " m";
   };
   const std::string own = shown(answer.error_at[answer.tried_at].distance_m);
-  std::vector<std::string> words{fmt::format("until {:.3g} s as it is: {}", answer.steps_for_t_s, own)};
+  std::vector<std::string> words{fmt::format("until {:.3g} s as it is: {}", answer.error_at[answer.tried_at].t_s, own)};
   std::vector<std::string> same;
   std::size_t told = 0;
   for (const audit::Tried* one : order) {

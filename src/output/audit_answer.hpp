@@ -20,8 +20,8 @@ const char* convergence_word(audit::Convergence convergence);
 
 /// Whether no more is known of an error than how large it can be: its uncertainty is as large as itself.
 bool only_bounded(const audit::Estimate& error);
-/// Whether there is an error that steps and settings can be told by.
-bool has_limit(const audit::Answer& answer);
+/// Whether there is an error, at this one of Answer::error_at, that steps or settings can be told by.
+bool has_limit(const audit::Answer& answer, std::size_t at);
 /// Of what was tried, that keeps the error within a tenth; null where the program's own settings are as cheap, to a
 /// twentieth.
 const audit::Tried* cheapest(const audit::Answer& answer);

@@ -118,7 +118,7 @@ Json tried_json(const Answer& answer) {
 
 /// What leaves less than half of the error; nothing where nothing does.
 Json recommended_json(const Answer& answer) {
-  if (!has_limit(answer)) return {};
+  if (!has_limit(answer, answer.tried_at)) return {};
   const auto error = [&](const audit::Tried& one) { return one.distance_m[answer.tried_at].value; };
   const audit::Tried* best = nullptr;
   for (const audit::Tried& one : answer.tried) {
@@ -185,7 +185,7 @@ std::string audit_json(const Answer& answer) {
   json["step_for"] = std::move(steps);
   json["settings"] = tried_json(answer);
   json["recommended"] = recommended_json(answer);
-  const audit::Tried* cheap = has_limit(answer) ? cheapest(answer) : nullptr;
+  const audit::Tried* cheap = has_limit(answer, answer.tried_at) ? cheapest(answer) : nullptr;
   json["cheapest"] = cheap != nullptr ? Json(cheap->set) : Json();
   json["softness"] = json_of(answer.softness_m);
   json["energy"] = {{"begin", json_number(answer.energy.begin_J)},

@@ -87,7 +87,7 @@ Figure errors_over_time(const Answer& answer) {
 }
 
 Figure order(const Answer& answer) {
-  const audit::ErrorUntil& until = answer.error_at[answer.tried_at];
+  const audit::ErrorUntil& until = answer.error_at[answer.told_at];
   Panel panel{.x_label = "step, s", .y_label = "error, m", .log_x = true, .log_y = true};
   const std::vector<int> all = refinements(answer);
   Series first{.label = "in proportion to the step", .x = {}, .y = {}, .colour = ink, .dashed = true};
@@ -157,7 +157,7 @@ Content settings(const Answer& answer) {
                           std::isnan(tried.work) ? Cell(Missing{"it is not ODE's solver"}) : Cell(tried.work),
                           tried.cpu});
   }
-  return {{{"until", number(time(answer.steps_for_t_s))}}, {std::move(table)}};
+  return {{{"until", number(time(answer.error_at[answer.tried_at].t_s))}}, {std::move(table)}};
 }
 
 /// A line over time of what `value` takes from a point.
@@ -282,7 +282,7 @@ std::vector<Section> sections(const Answer& answer, const AuditPageParts& parts)
 /// The answer in a sentence.
 std::string lead(const Answer& answer) {
   if (!answer.reason.empty()) return "No error can be told: " + answer.reason + ".";
-  const audit::ErrorUntil& row = answer.error_at[answer.tried_at];
+  const audit::ErrorUntil& row = answer.error_at[answer.told_at];
   if (row.convergence() == audit::Convergence::none) {
     return fmt::format("Until {} s smaller steps do not bring the runs together: no error can be told.",
                        number(time(row.t_s)));
