@@ -321,11 +321,13 @@ class Audit {
     return "";
   }
 
-  /// Where this process ended them, that one went farther says nothing.
+  /// Where this process ended them, or a record has no more room, that one went farther says nothing.
   void find_parting(Answer& answer) const {
     answer.parting = audit::parting(scratch_.record(0), scratch_.record(1));
-    const bool ended_here = runs_[0].end.late || runs_[1].end.late;
-    if (!answer.parting || !ended_here) return;
+    const auto is_cut = [this](std::size_t number) {
+      return runs_[number].end.late || is_full(number) || Recording(scratch_.record(number)).had_no_room();
+    };
+    if (!answer.parting || !(is_cut(0) || is_cut(1))) return;
     if (answer.parting->step > std::min(reached(0).steps, reached(1).steps)) answer.parting.reset();
   }
 

@@ -48,16 +48,17 @@ CsvColumns read_numbers(const std::string& file) {
 
 /// The columns of the file with a place for each angle and body of the scenario, in its order: an empty column where
 /// the file has none.
-CsvColumns with_places(const CsvColumns& file, const Scenario& scenario) {
+CsvColumns with_places(CsvColumns file, const Scenario& scenario) {
   CsvColumns all;
-  const auto column = [&file](const std::string& cell) {
+  const auto column = [&file](const std::string& cell) -> Column* {
     const auto found = std::ranges::find(file.header, cell);
-    return found == file.header.end() ? Column() : file.columns[static_cast<std::size_t>(found - file.header.begin())];
+    return found == file.header.end() ? nullptr : &file.columns[static_cast<std::size_t>(found - file.header.begin())];
   };
   const auto place = [&](const std::string& cell) {
     if (std::ranges::find(all.header, cell) != all.header.end()) return;
     all.header.push_back(cell);
-    all.columns.push_back(column(cell));
+    Column* its = column(cell);
+    all.columns.push_back(its != nullptr ? std::move(*its) : Column());  // once: of a long file there is one copy
   };
   const std::size_t angles = scenario.planar ? scenario.planar->links.size() : 0;
   for (std::size_t i = 1; i <= angles; ++i) place(fmt::format("q{}", i));
@@ -66,10 +67,10 @@ CsvColumns with_places(const CsvColumns& file, const Scenario& scenario) {
   for (std::size_t i = 1; angles == 0 && i <= scenario.mechanism.bodies.size(); ++i) {
     place(scenario.named ? scenario.mechanism.bodies[i - 1].name + ".x" : fmt::format("x{}", i));
   }
-  const Column energy = column("energy");  // as good as both its parts
-  if (!energy.empty() && (column("kinetic").empty() || column("potential").empty())) {
+  const Column* const energy = column("energy");  // as good as both its parts
+  if (energy != nullptr && (column("kinetic") == nullptr || column("potential") == nullptr)) {
     all.header.insert(all.header.end(), {"kinetic", "potential"});
-    all.columns.insert(all.columns.end(), {energy, Column(energy.size())});
+    all.columns.insert(all.columns.end(), {*energy, Column(energy->size())});
   }
   for (const std::string& cell : file.header) place(cell);
   return all;
@@ -88,9 +89,9 @@ void refuse_others(const Trace& trace, const Scenario& scenario, const std::stri
   refuse(trace.bodies.size(), bodies, "body", "bodies");
 }
 
-void tell_of_unknown(const CsvColumns& columns, const std::string& file) {
+void tell_of_unknown(const std::vector<std::string>& header, const std::string& file) {
   std::vector<std::string> unknown;
-  for (const std::string& cell : columns.header) {
+  for (const std::string& cell : header) {
     if (trace_column_of(cell) == nullptr) unknown.push_back("'" + cell + "'");
   }
   if (unknown.empty()) return;
@@ -109,17 +110,19 @@ std::vector<double> times_within(double end) {
 }
 
 int beside_reference(const Options& options) {
-  const CsvColumns columns = read_numbers(options.trace);
+  CsvColumns columns = read_numbers(options.trace);
+  const std::vector<std::string> header = columns.header;
   const std::size_t rows = columns.columns.front().size();
-  const double dt = spacing(trace_of(columns).t, options.trace);
+  const auto t = static_cast<std::size_t>(std::ranges::find(header, "t") - header.begin());
+  const double dt = spacing(columns.columns[t], options.trace);
   const double end = dt * static_cast<double>(rows - 1);
   catalogue::Evaluator evaluator = evaluator_at(options.scenario, options.settings, dt, rows, options.trace);
-  Trace trace = trace_of(with_places(columns, evaluator.scenario()));
+  Trace trace = trace_of(with_places(std::move(columns), evaluator.scenario()));
   refuse_others(trace, evaluator.scenario(), options.trace);
   const SampleGrid& grid = evaluator.grid();
   for (std::size_t row = 0; row < rows; ++row) trace.t[row] = grid.time(static_cast<long>(row));
   const catalogue::ForeignTrace foreign(std::move(trace), evaluator, options.trace);
-  tell_of_unknown(columns, options.trace);
+  tell_of_unknown(header, options.trace);
   if (!foreign.untold().empty()) {
     std::cerr << fmt::format("odeval: {}: not told in full: {}\n", options.trace, fmt::join(foreign.untold(), "; "));
   }
@@ -141,8 +144,8 @@ void tell_of_uncompared(const CsvColumns& whole, const CsvColumns& half, const O
     if (alone.empty()) return;
     std::cerr << fmt::format("odeval: {} alone has {}: not compared\n", file, fmt::join(alone, ", "));
   };
-  tell_of_unknown(whole, options.trace);
-  tell_of_unknown(half, options.against);
+  tell_of_unknown(whole.header, options.trace);
+  tell_of_unknown(half.header, options.against);
   tell(whole, options.trace, half);
   tell(half, options.against, whole);
 }

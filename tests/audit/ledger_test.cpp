@@ -48,6 +48,32 @@ void friction_takes_it_all() {
   CHECK_NEAR(contact.work_J, answer.work.contacts, 1e-12);
 }
 
+// 2 kg at (2, 1) m/s slide to rest on friction of 0.3 along the one direction and of 0.1 along the other: ODE's own, y
+// and x, or (0.6, 0.8) and (-0.8, 0.6) where the program says so. All of what there may be is used along both, whatever
+// is sampled along others: three times as much where they are taken for each other.
+void friction_is_of_its_directions() {
+  for (const auto& [scenario, speed] : {std::pair{"two_frictions", 2.0}, {"directed_frictions", 0.8 * 2 - 0.6 * 1}}) {
+    const audit::Answer answer = recorded(scenario, "3");
+    CHECK_NEAR(answer.work.contacts, -5.0, 1e-6);
+    const audit::JointSummary& contact = answer.joint_summaries.at(0);
+    CHECK_NEAR(contact.friction_share, 1.0, 1e-6);
+    CHECK_BETWEEN(static_cast<double>(contact.sliding), speed / (0.1 * g * h) - 2, speed / (0.1 * g * h) + 2);
+  }
+}
+
+// Motors that press on soft stops: what they do there is no force of joints to ODE. The bodies come to rest, so that
+// what has been lifted is all of the work, by 0.1 m and what 1000 N/m give way. The hinges take 6e-4 J, measured.
+void motors_press_on_stops() {
+  const audit::Answer answer = recorded("pressed", "4");
+  CHECK_NEAR(answer.work.motors + answer.work.joints, g * (0.1 + (15 - g) / 1000), 1e-9);
+  CHECK_NEAR(answer.work.joints, 0.0, 2e-3);
+  CHECK_NEAR(of_step(answer), 0.0, 1e-9);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const audit::JointSummary& joint = answer.joint_summaries.at(i);
+    CHECK(joint.at_stop > 3700 && joint.at_limit >= joint.at_stop);
+  }
+}
+
 // A kilogram at up to 15 N until it goes at 0.5 m/s. Gravity's own error, m g h v / 2, is the step's. The motor's CFM
 // of 1e-10 is 1e-9 m/s of its speed.
 void a_motor_lifts() {
@@ -153,6 +179,8 @@ void two_worlds_part_at_a_step_of_one() {
 
 int main() {
   friction_takes_it_all();
+  friction_is_of_its_directions();
+  motors_press_on_stops();
   a_motor_lifts();
   a_joint_takes_what_is_gone();
   motors_that_turn_with_their_bodies();

@@ -16,7 +16,8 @@ static dJointGroupID contacts;
 static dBodyID bodies[most_bodies];
 static int count;
 static double h;
-static double bounce, friction;
+static double bounce, friction, friction2;
+static const dReal* first_direction; /* of friction; 0: ODE's */
 static int soft;
 static void (*control)(void);
 
@@ -95,6 +96,19 @@ static void friction_slide(void) {
   dCreatePlane(space, 0, 0, 1, 0);
   make_box(add(0, 0, 0.05), 2, 0.4, 0.4, 0.1);
   dBodySetLinearVel(bodies[0], 2, 0, 0);
+}
+
+/* The same box, askew, with a third of the friction along the second of ODE's directions, x, or across a slope's. */
+static void two_frictions(void) {
+  friction_slide();
+  friction2 = 0.1;
+  dBodySetLinearVel(bodies[0], 2, 1, 0);
+}
+
+static void directed_frictions(void) {
+  static const dVector3 slope = {0.6, 0.8, 0};
+  two_frictions();
+  first_direction = slope;
 }
 
 /* A weight of 1 kg that a motor of at most 15 N lifts at 0.5 m/s, from rest. */
@@ -186,6 +200,96 @@ static void crane(void) {
   dJointSetHingeParam(hook, dParamFMax, 2);
 }
 
+static void soften(dJointID joint, void (*set)(dJointID, int, dReal), int groups) {
+  for (int i = 0; i < groups; ++i) {
+    set(joint, i * dParamGroup + dParamLoStop, -0.1);
+    set(joint, i * dParamGroup + dParamHiStop, 0.1);
+    set(joint, i * dParamGroup + dParamStopERP, erp());
+    set(joint, i * dParamGroup + dParamStopCFM, cfm());
+  }
+}
+
+static dBodyID float_at(double x, double y, double z) {
+  dBodyID body = add(x, y, z);
+  make_box(body, 1, 0.1, 0.1, 0.1);
+  dBodySetGravityMode(body, 0);
+  return body;
+}
+
+/* A weight on a slider, a pair on a hinge and a box on a hinge from the world to it: the motor of each presses it on a
+ * soft stop. */
+static void pressed(void) {
+  make_box(add(0, 0, 1), 1, 0.1, 0.1, 0.1);
+  dJointID slider = dJointCreateSlider(world, 0);
+  dJointAttach(slider, bodies[0], 0);
+  dJointSetSliderAxis(slider, 0, 0, 1);
+  soften(slider, dJointSetSliderParam, 1);
+  dJointSetSliderParam(slider, dParamVel, 0.5);
+  dJointSetSliderParam(slider, dParamFMax, 15);
+  dJointID hinge[2];
+  for (int i = 0; i < 2; ++i) {
+    dBodyID first = float_at(2 + 4 * i, 0, 0);
+    hinge[i] = dJointCreateHinge(world, 0);
+    dJointAttach(hinge[i], i == 0 ? first : 0, i == 0 ? float_at(3, 0, 0) : first);
+    dJointSetHingeAnchor(hinge[i], 2.5 + 3.5 * i, 0, 0);
+    dJointSetHingeAxis(hinge[i], 0, 1, 0);
+    soften(hinge[i], dJointSetHingeParam, 1);
+    dJointSetHingeParam(hinge[i], dParamHiStop, 1);
+    dJointSetHingeParam(hinge[i], dParamVel, -10);
+    dJointSetHingeParam(hinge[i], dParamFMax, 5);
+  }
+}
+
+/* Every kind of joint with stops, soft ones, each with a weight of its own that gets to them. */
+static void soft_stops(void) {
+  dWorldSetERP(world, erp());
+  dWorldSetCFM(world, cfm());
+  for (int i = 0; i < 7; ++i) make_box(add(5 * i + 0.5, 0, 1), 1, 0.1, 0.2, 0.3);
+  dJointID hinge = dJointCreateHinge(world, 0);
+  dJointAttach(hinge, bodies[0], 0);
+  dJointSetHingeAnchor(hinge, 0, 0, 1);
+  dJointSetHingeAxis(hinge, 0, 1, 0);
+  soften(hinge, dJointSetHingeParam, 1);
+  for (int i = 1; i < 3; ++i) { /* on the first axis, and on the second */
+    dJointID cross = dJointCreateUniversal(world, 0);
+    dJointAttach(cross, bodies[i], 0);
+    dJointSetUniversalAnchor(cross, 5 * i, 0, 1);
+    dJointSetUniversalAxis2(cross, 0, i == 2, i == 1);
+    dJointSetUniversalAxis1(cross, 0, i == 1, i == 2);
+    soften(cross, dJointSetUniversalParam, 2);
+  }
+  dJointID pr = dJointCreatePR(world, 0);
+  dJointAttach(pr, bodies[3], 0);
+  dJointSetPRAnchor(pr, 15, 0, 1);
+  dJointSetPRAxis1(pr, 0, 0, 1);
+  dJointSetPRAxis2(pr, 0, 1, 0);
+  dBodySetAngularVel(bodies[3], 0, 3, 0);
+  soften(pr, dJointSetPRParam, 2);
+  dJointID pu = dJointCreatePU(world, 0);
+  dJointAttach(pu, bodies[4], 0);
+  dJointSetPUAnchor(pu, 20, 0, 1);
+  dJointSetPUAxis1(pu, 1, 0, 0);
+  dJointSetPUAxis2(pu, 0, 1, 0);
+  dJointSetPUAxis3(pu, 0, 0, 1);
+  dBodySetAngularVel(bodies[4], 3, 0, 0);
+  soften(pu, dJointSetPUParam, 3);
+  dJointID piston = dJointCreatePiston(world, 0);
+  dJointAttach(piston, bodies[5], 0);
+  dJointSetPistonAnchor(piston, 25.5, 0, 1);
+  dJointSetPistonAxis(piston, 0, 0, 1);
+  dBodySetAngularVel(bodies[5], 0, 0, 3);
+  soften(piston, dJointSetPistonParam, 2);
+  dJointID turner = dJointCreateAMotor(world, 0); /* whose angles the program tells */
+  dJointAttach(turner, bodies[6], 0);
+  dJointSetAMotorNumAxes(turner, 3);
+  for (int i = 0; i < 3; ++i) {
+    dJointSetAMotorAxis(turner, i, 0, i == 0, i == 1, i == 2);
+    dJointSetAMotorAngle(turner, i, -0.2);
+  }
+  dBodySetGravityMode(bodies[6], 0);
+  soften(turner, dJointSetAMotorParam, 3);
+}
+
 /* A ball on soft ground. */
 static void soft_contact(void) {
   soft = 1;
@@ -250,7 +354,24 @@ static void feeling(void) {
   control = push_as_felt;
 }
 
-static dBodyID float_at(double speed) {
+static dJointFeedback touched[8];
+static int touches;
+static void push_as_touched(void) {
+  double sum = 0;
+  for (int i = 0; i < touches; ++i) sum += touched[i].f1[2];
+  dBodyAddForce(bodies[0], 0.05 * sum, 0, 0);
+  touches = 0;
+}
+
+/* A ball that falls on the ground and stays there, pushed along by a part of what its contacts, one after the other,
+ * were felt to do in the step before. */
+static void touchy(void) {
+  bouncing_ball();
+  bounce = 0;
+  control = push_as_touched;
+}
+
+static dBodyID fly(double speed) {
   dBodyID body = dBodyCreate(world);
   dBodySetGravityMode(body, 0);
   dBodySetLinearVel(body, speed, 0, 0);
@@ -262,7 +383,7 @@ static void set_by_hand(void) {
   static int step;
   ++step;
   if (step == 100) dBodySetLinearVel(bodies[0], 3, 0, 0);
-  if (step == 200) float_at(2);
+  if (step == 200) fly(2);
   if (step == 300) dBodyDestroy(goes);
   const dReal* place = dBodyGetPosition(bodies[1]);
   if (step == 400) dBodySetPosition(bodies[1], place[0], place[1], place[2] + 2);
@@ -271,8 +392,8 @@ static void set_by_hand(void) {
 /* Of bodies of a kilogram, one that floats is given 3 m/s, one of 2 m/s comes, one of 1 m/s goes, and one that falls is
  * put 2 m up. */
 static void by_hand(void) {
-  bodies[count++] = float_at(0);
-  goes = float_at(1);
+  bodies[count++] = fly(0);
+  goes = fly(1);
   add(0, 0, 0);
   control = set_by_hand;
 }
@@ -297,12 +418,22 @@ static void near(void* data, dGeomID one, dGeomID other) {
     contact[i].surface.mode = dContactBounce | dContactApprox1;
     contact[i].surface.bounce = bounce;
     contact[i].surface.mu = friction;
+    if (friction2 > 0) {
+      contact[i].surface.mode |= dContactMu2;
+      contact[i].surface.mu2 = friction2;
+    }
+    if (first_direction) {
+      contact[i].surface.mode |= dContactFDir1;
+      memcpy(contact[i].fdir1, first_direction, sizeof contact[i].fdir1);
+    }
     if (soft) {
       contact[i].surface.mode = dContactSoftERP | dContactSoftCFM;
       contact[i].surface.soft_erp = erp();
       contact[i].surface.soft_cfm = cfm();
     }
-    dJointAttach(dJointCreateContact(world, contacts, &contact[i]), dGeomGetBody(one), dGeomGetBody(other));
+    dJointID touch = dJointCreateContact(world, contacts, &contact[i]);
+    dJointAttach(touch, dGeomGetBody(one), dGeomGetBody(other));
+    if (control == push_as_touched && touches < 8) dJointSetFeedback(touch, &touched[touches++]);
   }
 }
 
@@ -316,6 +447,8 @@ static const struct {
     {"free_box", free_box, 0},
     {"bouncing_ball", bouncing_ball, 1},
     {"friction_slide", friction_slide, 1},
+    {"two_frictions", two_frictions, 1},
+    {"directed_frictions", directed_frictions, 1},
     {"wall_pendulum", wall_pendulum, 1},
     {"motor", motor, 0},
     {"arm", arm, 0},
@@ -328,7 +461,10 @@ static const struct {
     {"soft_weld", soft_weld, 0},
     {"suspension", suspension, 0},
     {"crane", crane, 0},
+    {"pressed", pressed, 0},
+    {"soft_stops", soft_stops, 0},
     {"feeling", feeling, 0},
+    {"touchy", touchy, 1},
     {"by_hand", by_hand, 0},
     {"two_worlds", two_worlds, 0},
 };

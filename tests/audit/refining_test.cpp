@@ -79,12 +79,13 @@ void parts_are_steps() {
 // Their ERP, CFM and damping are made from a spring, a damper and a drag at the step of the program. What a conversion
 // rounds by is 1e-16 of 1e-3 to 1 m; held as numbers they are off by 2 cm and more.
 void springs_are_held() {
-  for (const char* scenario :
-       {"spring", "soft_weld", "suspension", "soft_stop", "soft_contact", "damped", "sleeper", "born_sleeper"}) {
-    const std::vector<Pose> halves = every_second(run("", scenario, 5e-4), 1);
+  for (const auto& [scenario, bodies] :
+       {Case{"spring"}, Case{"soft_weld"}, Case{"suspension"}, Case{"soft_stop"}, Case{"soft_stops", 7},
+        Case{"soft_contact"}, Case{"damped"}, Case{"sleeper"}, Case{"born_sleeper"}}) {
+    const std::vector<Pose> halves = every_second(run("", scenario, 5e-4), bodies);
     const std::string twice = loaded + "ODEVAL_AUDIT_REFINE=2 ";
     CHECK_BETWEEN(largest_distance(halves, run(twice, scenario, 1e-3)), 0, 1e-12);
-    CHECK_BETWEEN(largest_distance(halves, run(twice + "ODEVAL_AUDIT_HOLD=numbers", scenario, 1e-3)), 0.02, 1);
+    CHECK_BETWEEN(largest_distance(halves, run(twice + "ODEVAL_AUDIT_HOLD=numbers", scenario, 1e-3)), 0.02, 2);
   }
 }
 
@@ -100,6 +101,14 @@ void feedback_is_the_mean() {
   const std::vector<Pose> halves = every_second(run("", "feeling", 5e-4), 1);
   const std::vector<Pose> parts = run(loaded + "ODEVAL_AUDIT_REFINE=2", "feeling", 1e-3);
   CHECK_BETWEEN(largest_distance(halves, parts), 1e-6, 1e-2);
+}
+
+// What contacts did in a step is told as the impulse over its length. The ball is 7 mm of its 0.2 m from where it is at
+// half the step, since it is caught elsewhere in a step; were it the force of a part that is told, 0.1 m.
+void feedback_of_contacts_is_the_impulse() {
+  const std::vector<Pose> halves = every_second(run("", "touchy", 5e-4), 1);
+  const std::vector<Pose> parts = run(loaded + "ODEVAL_AUDIT_REFINE=2", "touchy", 1e-3);
+  CHECK_BETWEEN(largest_distance(halves, parts), 1e-6, 0.02);
 }
 
 // A ball joint has its ERP from the world in which it was made: what is tried is in it, whatever the program says.
@@ -124,6 +133,7 @@ int main() {
   springs_are_held();
   forces_are_held();
   feedback_is_the_mean();
+  feedback_of_contacts_is_the_impulse();
   joints_are_made_with_what_is_tried();
   contacts_are_made_anew();
   return verdict();

@@ -51,6 +51,27 @@ void keep_velocities(Body& body) {
   body.moves = dBodyIsKinematic(body.id) == 0;
 }
 
+/// Which stop ODE will find the joint at: 1, the low one, 2 or none, 0.
+int stop_of(dJointID joint, const Drive& drive) {
+  const Axis& row = *drive.row;
+  const bool is_none = row.place == nullptr || (row.linear ? drive.low == -dInfinity && drive.high == dInfinity
+                                                           : drive.low < -M_PI && drive.high > M_PI);
+  if (is_none || drive.low > drive.high) return 0;
+  // ODE tells of a hinge from the world to a body the angle the other way, and stops it by the angle as it is.
+  const bool other_way = row.type == dJointTypeHinge && dJointGetBody(joint, 0) == nullptr;
+  const dReal place = other_way ? -row.place(joint) : row.place(joint);
+  return place <= drive.low ? 1 : place >= drive.high ? 2 : 0;
+}
+
+/// Of a motor at a stop ODE makes no row: it adds all of its force to those of the bodies, or the part that the fudge
+/// factor leaves of it where it goes away from the stop.
+dReal push_of(int stop, const Drive& drive, dReal velocity, dReal fudge) {
+  if (stop == 0 || drive.low == drive.high) return 0;
+  const bool up = velocity > 0 || (velocity == 0 && stop == 2);
+  const bool leaves = (stop == 1 && velocity > 0) || (stop == 2 && velocity < 0);
+  return (up ? drive.most : -drive.most) * (leaves ? fudge : 1);
+}
+
 /// Where the joint's motors and stops act in the step: with it they turn.
 void keep_drives(Joint& joint) {
   joint.drives.clear();
@@ -74,6 +95,9 @@ void keep_drives(Joint& joint) {
     const dReal* a = row.linear ? arm : drive.axis.data();
     const dReal* b = row.linear ? drive.axis.data() : arm;
     dCalcVectorCross3(drive.lever.data(), a, b);
+    const int stop = stop_of(joint.id, drive);
+    drive.at_stop = stop != 0;
+    drive.push = push_of(stop, drive, parameter(dParamVel), parameter(dParamFudgeFactor));
     joint.drives.push_back(drive);
   }
 }
@@ -143,13 +167,17 @@ struct Ledger::Acting {
     const dReal* axis = drive.axis.data();
     return drive.row->linear ? dot(forces->f1, axis) : dot(forces->t1, axis) - dot(forces->f1, drive.lever.data());
   }
-  double rate_along(const Drive& drive) const {
-    const auto along = [](const Body* body, const Triple Body::*what, const Triple& axis) {
-      return body == nullptr ? 0.0 : dot((body->*what).data(), axis.data());
-    };
-    if (!drive.row->linear) return along(first, &Body::spin, drive.axis) - along(second, &Body::spin, drive.axis);
-    return along(first, &Body::velocity, drive.axis) - along(second, &Body::velocity, drive.axis) +
-           along(first, &Body::spin, drive.lever) + along(second, &Body::spin, drive.lever);
+  double rate_along(const Drive& drive) const { return rate_of(first, drive, 1) + rate_of(second, drive, -1); }
+  /// The same of the bodies whose energy counts.
+  double moving_rate_along(const Drive& drive) const {
+    return (first != nullptr && first->moves ? rate_of(first, drive, 1) : 0) +
+           (second != nullptr && second->moves ? rate_of(second, drive, -1) : 0);
+  }
+  static double rate_of(const Body* body, const Drive& drive, double side) {
+    if (body == nullptr) return 0;
+    const dReal* axis = drive.axis.data();
+    if (!drive.row->linear) return side * dot(body->spin.data(), axis);
+    return side * dot(body->velocity.data(), axis) + dot(body->spin.data(), drive.lever.data());
   }
 };
 
@@ -213,19 +241,19 @@ void Ledger::take(World& world, Joint& joint, dReal h) {
   const Acting acting(world, joint.id, joint.places);
   if (acting.id == nullptr) return;
   PartSample* const part = part_of(joint);
-  const double work = acting.work(h);
+  double work = acting.work(h);
   std::uint32_t rows = rows_of(joint.type);
   double by_motors = joint.type == dJointTypeAMotor || joint.type == dJointTypeLMotor ? work : 0;
   for (const Drive& drive : joint.drives) {
     if (drive.most > 0) ++rows;
     const double force = acting.force_along(drive);
-    by_motors += h * force * acting.rate_along(drive);
+    by_motors += h * (force + drive.push) * acting.rate_along(drive);
+    work += h * drive.push * acting.moving_rate_along(drive);  // of which ODE's feedback does not tell
     if (part == nullptr) continue;
     constexpr double rounding = 1e-6;  // of sums of forces with lever arms
-    if (drive.most > 0 && std::fabs(force) >= drive.most * (1 - rounding)) ++part->steps_at_limit;
-    if (drive.row->place == nullptr) continue;
-    const double place = drive.row->place(joint.id);
-    if (place <= drive.low || place >= drive.high) ++part->steps_at_stop;
+    const double of_motor = drive.at_stop ? drive.push : force;
+    if (drive.most > 0 && std::fabs(of_motor) >= drive.most * (1 - rounding)) ++part->steps_at_limit;
+    if (drive.at_stop) ++part->steps_at_stop;
   }
   const auto [first, second] = acting.moving(world);
   rows_.add(first, second, rows);

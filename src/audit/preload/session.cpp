@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <new>
+#include <unordered_map>
 
 #include "audit/preload/clock.hpp"
 #include "audit/preload/environment.hpp"
@@ -48,39 +49,58 @@ void move(const Body& body, double distance) {
                    place[1] + distance * across * std::sin(turn), place[2] + distance * height);
 }
 
-/// A joint's feedback after a step is the mean over its parts.
+/// A joint's feedback after a step is the mean over its parts. A contact is another in each part, and the program may
+/// have ODE tell of it where it tells of no other, or where it tells of all that two bodies had: so each place gets the
+/// mean of what was told there, and what is told in all of them is the impulse of the step, over its length. A place is
+/// written only right after ODE has: later it may be gone.
 class Feedback {
  public:
-  explicit Feedback(World& world) : world_(world) {
+  Feedback(World& world, int parts) : world_(world), weight_(dReal(1) / parts) {
     for (Joint& joint : world_.joints) joint.feedback = {};
   }
   void add() {
     for (Joint& joint : world_.joints) {
-      if (const dJointFeedback* now = dJointGetFeedback(joint.id)) each(joint.feedback, *now, 1);
+      if (const dJointFeedback* now = dJointGetFeedback(joint.id)) {
+        add(joint.feedback.f1, joint.feedback.t1, now->f1, now->t1);
+        add(joint.feedback.f2, joint.feedback.t2, now->f2, now->t2);
+      }
     }
-    ++parts_;
+    for (const Made& contact : world_.made) {
+      if (dJointFeedback* now = dJointGetFeedback(contact.id)) add(contact, *now);
+    }
   }
   void hand_over() const {
     for (const Joint& joint : world_.joints) {
-      dJointFeedback* its = dJointGetFeedback(joint.id);
-      if (its == nullptr) continue;
-      *its = {};
-      each(*its, joint.feedback, dReal(1) / parts_);
+      if (dJointFeedback* its = dJointGetFeedback(joint.id)) *its = joint.feedback;
     }
   }
 
  private:
-  static void each(dJointFeedback& sum, const dJointFeedback& part, dReal weight) {
+  /// What ODE tells of: nothing where both bodies are at rest, and of a second body where there is one.
+  void add(const Made& contact, dJointFeedback& now) {
+    dBodyID first = dJointGetBody(contact.id, 0);
+    dBodyID second = dJointGetBody(contact.id, 1);
+    const auto is_told = [](dBodyID body) { return body != nullptr && dBodyIsEnabled(body) != 0; };
+    if (!is_told(first) && !is_told(second)) return;
+    dJointFeedback& mean = of_contacts_[&now];
+    add(mean.f1, mean.t1, now.f1, now.t1);
+    std::copy_n(mean.f1, 3, now.f1);
+    std::copy_n(mean.t1, 3, now.t1);
+    if (first == nullptr || second == nullptr) return;
+    add(mean.f2, mean.t2, now.f2, now.t2);
+    std::copy_n(mean.f2, 3, now.f2);
+    std::copy_n(mean.t2, 3, now.t2);
+  }
+  void add(dReal* force, dReal* torque, const dReal* more_force, const dReal* more_torque) const {
     for (int i = 0; i < 3; ++i) {
-      sum.f1[i] += weight * part.f1[i];
-      sum.t1[i] += weight * part.t1[i];
-      sum.f2[i] += weight * part.f2[i];
-      sum.t2[i] += weight * part.t2[i];
+      force[i] += weight_ * more_force[i];
+      torque[i] += weight_ * more_torque[i];
     }
   }
 
   World& world_;
-  int parts_ = 0;
+  dReal weight_;
+  std::unordered_map<const dJointFeedback*, dJointFeedback> of_contacts_;  // by where it is told
 };
 
 }  // namespace
@@ -124,6 +144,7 @@ Session::Session()
     ledger_.emplace(settings_.record);
     worlds_.follow_touches();
   }
+  if (settings_.refinement > 1) worlds_.follow_made();
   ::pthread_atfork(nullptr, nullptr, [] { get().leave_to_parent(); });
   ODEVAL_OWN(dSetMessageHandler)(take_message);
   ODEVAL_OWN(dSetDebugHandler)(take_last_words);
@@ -279,7 +300,7 @@ int Session::whole(World& world, dReal h, Stepper stepper) {
 int Session::parts(World& world, dReal h, Stepper stepper, const void* frame_of_step) {
   const int k = settings_.refinement;
   world.keep_forces();
-  Feedback feedback(world);
+  Feedback feedback(world, k);
   std::optional<Softened> softened;
   unsigned long seed = 0;
   int result = 1;

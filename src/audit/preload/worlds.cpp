@@ -46,6 +46,7 @@ void Worlds::add(dWorldID world, dJointID joint, dJointType type, dJointGroupID 
 void Worlds::add_contact(dWorldID world, dJointID joint, const dContact& contact, dJointGroupID group, bool renewable) {
   World& its = of(world);
   if (follows_touches_) its.touches.emplace_back(joint, group, contact);
+  if (follows_made_) its.made.push_back({joint, group});
   ++its.contacts;
   its.depth = std::max(its.depth, contact.geom.depth);
   if (group == nullptr) {
@@ -62,8 +63,8 @@ void Worlds::forget(dJointID joint) {
   if (its != nullptr && its->group != nullptr) return;  // ODE leaves it to its group
   for (World& world : worlds_) {
     if (std::erase_if(world.joints, [joint](const Joint& one) { return one.id == joint; }) > 0) return;
-    if (std::erase_if(world.touches, [joint](const Touch& one) { return one.id == joint && one.group == nullptr; }) > 0)
-      return;
+    const auto is_its = [joint](const auto& one) { return one.id == joint && one.group == nullptr; };
+    if (std::erase_if(world.touches, is_its) + std::erase_if(world.made, is_its) > 0) return;
   }
 }
 
@@ -80,7 +81,15 @@ void Worlds::empty(dJointGroupID group) {
   of(group) = {.id = group};
   for (World& world : worlds_) {
     std::erase_if(world.joints, [group](const Joint& one) { return one.group == group; });
-    std::erase_if(world.touches, [group](const Touch& one) { return one.group == group; });
+  }
+  forget_contacts(group);
+}
+
+void Worlds::forget_contacts(dJointGroupID group) {
+  for (World& world : worlds_) {
+    const auto is_its = [group](const auto& one) { return one.group == group; };
+    std::erase_if(world.touches, is_its);
+    std::erase_if(world.made, is_its);
   }
 }
 
@@ -95,6 +104,7 @@ bool Worlds::empty_contacts() {
   for (Group& group : groups_) {
     if (group.fresh == 0) continue;
     ODEVAL_OWN(dJointGroupEmpty)(group.id);
+    forget_contacts(group.id);
     group.fresh = 0;
   }
   return true;

@@ -43,6 +43,8 @@ struct Drive {
   dReal high;
   Triple axis{};
   Triple lever{};  // of a hinge, what the torque of a force about it is the product with; of a slider, of a spin with
+  bool at_stop = false;
+  dReal push = 0;  // there: of the motor, on the first body
 };
 
 struct Joint {
@@ -70,6 +72,12 @@ struct Touch {
   Touch(dJointID its_id, dJointGroupID its_group, const dContact& its) : id(its_id), group(its_group), contact(its) {}
 };
 
+/// A contact that is there, for what the program is told of its forces.
+struct Made {
+  dJointID id;
+  dJointGroupID group;
+};
+
 struct World {
   dWorldID id;
   std::uint32_t number;
@@ -78,6 +86,7 @@ struct World {
   std::vector<Body> bodies{};
   std::vector<Joint> joints{};   // no contacts
   std::vector<Touch> touches{};  // while they are followed
+  std::vector<Made> made{};      // contacts, while they are followed
   std::uint32_t contacts = 0;    // made since the last step; with a ledger, then those that act on a body in it
   dReal depth = 0;               // the largest of them
   struct {
@@ -111,6 +120,7 @@ class Worlds {
 
   void add(dWorldID world, dJointID joint, dJointType type, dJointGroupID group);
   void follow_touches() { follows_touches_ = true; }
+  void follow_made() { follows_made_ = true; }
   void add_contact(dWorldID world, dJointID joint, const dContact& contact, dJointGroupID group, bool renewable);
   void forget(dJointID joint);
   const Joint* find(dJointID joint) const;  // null where it is not followed
@@ -126,6 +136,7 @@ class Worlds {
 
  private:
   Group& of(dJointGroupID id);
+  void forget_contacts(dJointGroupID group);
 
   std::list<World> worlds_;  // which stay where they are
   std::vector<Group> groups_;
@@ -133,6 +144,7 @@ class Worlds {
   std::uint32_t bodies_made_ = 0;
   std::uint32_t joints_made_ = 0;
   bool follows_touches_ = false;
+  bool follows_made_ = false;
   bool loose_ = false;  // contacts were made since the last step that are in no group
 };
 
