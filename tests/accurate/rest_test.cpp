@@ -23,15 +23,17 @@ AccurateStepOptions rubbing(double friction) {
   return options;
 }
 
-/// A wheel on the ground, and on its suspension a chassis that can only go up and down.
+/// A wheel on the ground, and on its suspension a chassis that can only go up and down. `limit` of the wheel's motor,
+/// N m, whose velocity the ground lets it reach or not.
 struct QuarterCar {
   static constexpr double mass = 50, k = 10000, d = 1000;
 
   World world;
+  dJointFeedback feedback{};
   dBodyID chassis = world.box(mass, {1, 1, 0.2}, {0, 0, 1});
   dBodyID wheel = world.sphere(5, 0.3, {0, 0, 0.3});
 
-  explicit QuarterCar(double h) {
+  QuarterCar(double h, double limit) {
     dCreatePlane(world.space, 0, 0, 1, 0);
     world.slider(chassis, nullptr, {0, 0, 1});
     const dJointID joint = dJointCreateHinge2(world.id, nullptr);
@@ -41,6 +43,9 @@ struct QuarterCar {
     dJointSetHinge2Axes(joint, steering, axle);
     dJointSetHinge2Param(joint, dParamSuspensionERP, h * k / (h * k + d));
     dJointSetHinge2Param(joint, dParamSuspensionCFM, 1 / (h * k + d));
+    dJointSetHinge2Param(joint, dParamVel2, 3);
+    dJointSetHinge2Param(joint, dParamFMax2, limit);
+    dJointSetFeedback(joint, &feedback);
   }
   double sag() const { return 1 - dBodyGetPosition(chassis)[2]; }
 };
@@ -53,28 +58,34 @@ double sag_after(double t) {
          (1 - std::exp(-decay * t) * (std::cos(turns * t) + decay / turns * std::sin(turns * t)));
 }
 
-void check_quarter_car(double friction) {
+void check_quarter_car(double friction, double limit) {
   std::array<double, 2> errors{};
   for (std::size_t i = 0; i < 2; ++i) {
     const double h = i == 0 ? 4e-3 : 2e-3;
-    QuarterCar car(h);
+    QuarterCar car(h, limit);
     AccurateStep step(car.world.id, car.world.space, rubbing(friction));
     for (double t = h; t < 1; t += h) {
       step(h);
       errors[i] = std::max(errors[i], std::fabs(car.sag() - sag_after(t)));
     }
   }
-  std::printf("quarter car, friction %g: sag off by %.2g m at h = 0.002, order %.2f\n", friction, errors[1],
-              order(errors[0], errors[1], 2));
+  std::printf("quarter car, friction %g, motor of %g N m: sag off by %.2g m at h = 0.002, order %.2f\n", friction,
+              limit, errors[1], order(errors[0], errors[1], 2));
   CHECK_BETWEEN(errors[1], 0, 1e-3);
   CHECK_BETWEEN(order(errors[0], errors[1], 2), 1.5, 3);
   // What stands still is a fixed point of the step, whatever its size.
   for (const double h : {5e-3, 1e-3}) {
-    QuarterCar car(h);
+    QuarterCar car(h, limit);
     AccurateStep step(car.world.id, car.world.space, rubbing(friction));
     for (double t = 0; t < 5; t += h) step(h);
     CHECK_NEAR(car.sag(), QuarterCar::mass * g / QuarterCar::k, 1.1 * rest_depth);
     CHECK_NEAR(dBodyGetLinearVel(car.chassis)[2], 0, 1e-12);
+    // A motor turns the wheel at its velocity where nothing rubs or it is stronger than friction; else it stands, and
+    // the motor gives all it can.
+    const double grip = friction * (QuarterCar::mass + 5) * g * 0.3;
+    const bool turns = limit > 0 && (friction == 0 || limit > grip);
+    CHECK_NEAR(std::fabs(dBodyGetAngularVel(car.wheel)[1]), turns ? 3 : 0, 1e-12);
+    CHECK_NEAR(std::fabs(car.feedback.t2[1]), std::min(limit, grip), 1e-7);
     CHECK_EQUAL(step.crowded_steps(), 0u);
   }
 }
@@ -110,8 +121,11 @@ void check_free_suspension() {
 }  // namespace
 
 int main() {
-  check_quarter_car(0.8);
-  check_quarter_car(0);
+  // Without a motor, one that the ground stops, and one that is stronger than that.
+  for (const double limit : {0.0, 100.0, 1000.0}) {
+    check_quarter_car(0.8, limit);
+    check_quarter_car(0, limit);
+  }
   check_free_suspension();
   return odeval::test::verdict();
 }

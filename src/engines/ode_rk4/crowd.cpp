@@ -91,7 +91,7 @@ void Flight::settle_crowd(State& state, double h) {
     const Eigen::VectorXd pushes = impact.stop(state);
     tell_joints(impact, pushes, state, h);
     impulses += pushes;
-    work = impact.work(pushes, here_, state);
+    work = impact.work(pushes, here_, free, state);
   };
   if (impact.has_motors()) push_on();
   impact.note_motors(impulses);
@@ -109,7 +109,7 @@ void Flight::settle_crowd(State& state, double h) {
   if (gain > rounding_of_energy(free)) {
     state = free;
     motion_.project(state);
-    work = std::min(work, impact.work(impact.stop(state), here_, state));
+    work = std::min(work, impact.work(impact.stop(state), here_, free, state));
     state = slowed(state, struck, gain);
     move_out(motion_, free, way, taken_ + work, state);
   }

@@ -40,9 +40,8 @@ bool among(const std::vector<Contact>& contacts, const Contact& contact) {
 }  // namespace
 
 void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
-  const std::vector<Contact> rested = resting_;
+  const Memory before = memory();
   const int crowded = crowded_;
-  const double taken = taken_;
   touches_.clear();
   stopped_.clear();
   struck_.clear();
@@ -59,9 +58,8 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
     if (collider_.works(motion_.mechanism()) && !finite(there_))
       refuse("the motion left the finite numbers; take a smaller step");
   } catch (...) {
-    resting_ = rested;
+    go_back(before);
     crowded_ = crowded;
-    taken_ = taken;
     touches_.clear();
     throw;
   }
@@ -104,8 +102,7 @@ void Flight::fly(double h) {
         std::swap(here_, there_);
         continue;
       }
-      const std::vector<Contact> resting = resting_;
-      const double taken = taken_;
+      const Memory before = memory();
       hold(there_, h - t);
       // What slid and sticks is taken to the moment at which it does: first almost, then by how much that slowed it.
       if (sticks_.share < 1 && splits++ < most_splits) {
@@ -115,8 +112,7 @@ void Flight::fly(double h) {
         }
         slip = sticks_.slip;
         last_part = part;
-        resting_ = resting;
-        taken_ = taken;
+        go_back(before);
         move(t, part, there_);
         arrive(there_, part);
         hold(there_, part);
@@ -133,13 +129,11 @@ void Flight::fly(double h) {
     // What rests has been let go for the step, and what it carries with it: is there still a touch once it is held?
     if (!resting_.empty()) {
       const State let_go = there_;
-      const std::vector<Contact> resting = resting_;
-      const double taken = taken_;
+      const Memory before = memory();
       const bool touched = hold(there_, h - t);
       if (!touched) break;
       there_ = let_go;
-      resting_ = resting;
-      taken_ = taken;
+      go_back(before);
       arrive(there_, h - t);
     }
     double passed = locate(t, h - t);
@@ -168,8 +162,7 @@ void Flight::find_footholds(double after, bool struck) {
   if (footholds_ && (!footholds_->fit(here_) || disturbed())) footholds_.reset();
   const bool found = !footholds_;
   if (found) {
-    const auto slides = [](const Contact& contact) { return contact.friction <= 0 && !contact.is_stop; };
-    if (slipped_ || crowded_ > 0 || resting_.empty() || std::ranges::all_of(resting_, slides)) return;
+    if (slipped_ || crowded_ > 0 || std::ranges::none_of(resting_, Footholds::can_hold)) return;
     look(here_);
     if (struck) add_to_contacts(struck_);
     footholds_ = Footholds::of(motion_.mechanism(), options_, contacts_, here_, struck);
@@ -243,6 +236,7 @@ void Flight::move_by_motors(double after, double h, State& to) {
     const double longest = end - after;
     drive(from, after, broken);
     go(from, after, longest, to);
+    if (motion.can_wait()) return;
     motion.beyond(to, *forces_, end, shares);
     const auto most = [&] { return *std::ranges::max_element(shares); };
     if (most() <= 0 || change == most_changes) return;
@@ -516,6 +510,47 @@ void Flight::tell_joint(const Contact& contact, const State& state, double h) {
   mover().add_force(contact.geoms.first, on(contact.a, 1), on(contact.b, -1));  // a stop's or a motor's joint
 }
 
+/// Of the contacts at hand, 1 at those of pairs of geoms of which `arrive` put some a little too deep: pushed out by
+/// others they would part again.
+Eigen::VectorXd Flight::put_too_deep(const std::vector<Contact>& rest) const {
+  Eigen::VectorXd found = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(contacts_.size()));
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const auto put = [&](const Contact& contact) { return contact.missed && same_geoms(contact, contacts_[i]); };
+    if (std::ranges::any_of(rest, put)) found[static_cast<Eigen::Index>(i)] = 1;
+  }
+  return found;
+}
+
+/// Are the contacts at hand found, as deep as what rests, and is a way less than that?
+bool Flight::lies_well(std::span<const Twist> way) const {
+  const auto is_well = [](const Contact& contact) { return !contact.missed && contact.depth <= 2 * rest_depth; };
+  const auto stays = [](const Twist& by) { return by.linear.norm() + by.angular.norm() < rest_depth; };
+  return std::ranges::all_of(contacts_, is_well) && std::ranges::all_of(way, stays);
+}
+
+bool Flight::found_again(const Contact& contact) const {
+  const auto is_it = [&](const Contact& other) { return !other.missed && same_geoms(contact, other); };
+  return std::ranges::any_of(contacts_, is_it);
+}
+
+/// Of what rests, what has to push and was not found a little too deep is put as far as anything was off, once: how far
+/// it is away is known to the order of the step. Else it is gone.
+void Flight::look_deeper(std::vector<Contact>& rest) {
+  const auto pushes = [](const Contact& contact) {
+    return (contact.turns ? contact.turn : contact.push).dot(contact.normal) > 0;
+  };
+  double farthest = 0;
+  for (const Contact& contact : rest) farthest = std::max(farthest, pushes(contact) ? std::fabs(contact.depth) : 0);
+  std::vector<Contact> again;
+  std::erase_if(rest, [&](Contact& contact) {
+    if (!contact.missed || found_again(contact)) return false;
+    if (pushes(contact)) again.push_back(contact);
+    return !pushes(contact);
+  });
+  for (Contact& contact : again) contact.depth = -farthest;
+  contacts_.insert(contacts_.end(), again.begin(), again.end());
+}
+
 /// At the end of a step, with its contacts at hand: what rests stops and is pushed out of what it rests on. Returns
 /// true if something touches that does not rest.
 bool Flight::hold(State& state, double h) {
@@ -531,10 +566,12 @@ bool Flight::hold(State& state, double h) {
   };
   at_rest();
   // The matrix of this pose, for the impulses.
-  if (!contacts_.empty() || !motors.empty()) motion.project(state);
+  if (!contacts_.empty() || !motors.empty()) motion.stand(state);
   std::vector<Contact> rest = contacts_;
+  const Eigen::VectorXd none;
+  const auto is_gone = [this](const Contact& contact) { return contact.missed && !found_again(contact); };
   for (int push = 0; push < most_pushes && (!contacts_.empty() || !motors.empty()); ++push) {
-    if (push > 0 && deepest_of(contacts_) <= 2 * rest_depth) break;
+    if (push > 0 && std::ranges::none_of(contacts_, &Contact::missed) && deepest_of(contacts_) <= 2 * rest_depth) break;
     const bool first = push == 0 && h > 0;
     if (first) recall(state, h);
     const bool pushed = !forces_->pushes.empty();
@@ -543,7 +580,7 @@ bool Flight::hold(State& state, double h) {
     const State free = state;
     bounce_elastic(motion, impact, contacts_, h, state);
     const Eigen::VectorXd impulses = impact.stop(state);
-    const double work = impact.work(impulses, here_, state);
+    const double work = impact.work(impulses, here_, free, state);
     if (first) tell_joints(impact, impulses, state, h);
     std::vector<Twist> by;
     const double done = first ? work_of_pushes(free, h) : 0;
@@ -555,17 +592,19 @@ bool Flight::hold(State& state, double h) {
       sticks_ = impact.sticks_at(impulses, here_, state, h);
       by = follow(free, state, h);
     }
-    const auto way = impact.way_out(rest_depth, by, follows ? impulses : Eigen::VectorXd());
+    const auto way = impact.way_out(rest_depth, by, follows ? impulses : push > 0 ? put_too_deep(rest) : none);
     const bool moved = move_out(motion, free, way, taken_ + work - done, state);
     taken_ -= gained(free, state) + done - work;
+    // Nothing comes deeper by that than what rests, nor out of reach.
+    if (push == 0 && moved && lies_well(way)) break;
+    if (moved) {
+      look(state);
+      at_rest();
+    }
+    if (!moved || push > 0) std::erase_if(rest, is_gone);
     if (!moved) break;  // between jaws of joints, or at the end of what can be lifted
-    look(state);
-    at_rest();
+    if (first) look_deeper(rest);
   }
-  std::erase_if(rest, [this](const Contact& contact) {
-    const auto found = [&](const Contact& other) { return !other.missed && same_geoms(contact, other); };
-    return contact.missed && std::ranges::none_of(contacts_, found);
-  });
   const double overlap = deepest_of(contacts_);
   if (overlap > options_.start_gap) {
     if (first_) look(here_);

@@ -42,12 +42,26 @@ class Flight {
   /// Forgets what rests.
   void start_anew() {
     resting_.clear();
+    gave_.clear();
     footholds_.reset();
     crowded_ = 0;
     taken_ = 0;
   }
 
  private:
+  /// What a time that is gone through again begins with.
+  struct Memory {
+    std::vector<Contact> resting;
+    std::vector<double> gave;
+    double taken;
+  };
+  Memory memory() const { return {resting_, gave_, taken_}; }
+  void go_back(const Memory& memory) {
+    resting_ = memory.resting;
+    gave_ = memory.gave;
+    taken_ = memory.taken;
+  }
+
   void begin();
   void fly(double h);
   void find_footholds(double after, bool struck);
@@ -64,7 +78,10 @@ class Flight {
   [[noreturn]] void refuse_apart(const JointError& error, const std::string& when) const;
   void look(const State& state) { collider_.look(motion_.mechanism(), state, contacts_); }
   std::vector<char> reached(std::vector<char> bodies) const;
-  std::vector<char> driven() const;
+  std::vector<char> unsteady() const;
+  bool pushes_on(const Contact& contact) const {
+    return contact.steady && contact.restitution < 1 && !held_fast(contact);
+  }
   std::size_t struck_at_once() const;
   void crowd_on() {
     renewed_ = true;
@@ -88,6 +105,10 @@ class Flight {
   bool add_to_contacts(const std::vector<Contact>& more);
   void tell(const std::function<void(const Touch&)>& observer, const Touch& touch) const;
   bool hold(State& state, double h);
+  bool lies_well(std::span<const Twist> way) const;
+  bool found_again(const Contact& contact) const;
+  void look_deeper(std::vector<Contact>& rest);
+  Eigen::VectorXd put_too_deep(const std::vector<Contact>& rest) const;
   void tell_joints(const Impact& impact, const Eigen::VectorXd& impulses, const State& state, double h);
   void tell_joint(const Contact& contact, const State& state, double h);
   std::vector<Twist> follow(const State& free, const State& held, double h);
@@ -109,6 +130,7 @@ class Flight {
   std::vector<Contact> contacts_;  // of the state last looked at
   std::vector<Contact> resting_;   // at the end of the last step, and what came to rest since
   std::vector<Contact> pushing_;   // of those, since `here_`, as they were there
+  std::vector<double> gave_;       // N or N m, by late motors on average in the time held last
   std::vector<Contact> stopped_;   // their geoms do not bounce any more in this step
   std::vector<Contact> struck_;    // at `here_`
   bool all_stopped_ = false;

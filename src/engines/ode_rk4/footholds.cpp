@@ -197,6 +197,12 @@ std::optional<Footholds> Footholds::of(const Mechanism& mechanism, const Accurat
   return Footholds(std::move(held), options.order, std::move(footholds));
 }
 
+bool Footholds::can_hold(const Contact& contact) {
+  if (contact.is_stop) return true;
+  return contact.friction > 0 && shape(contact.geoms.first) != Shape::round &&
+         shape(contact.geoms.second) != Shape::round;
+}
+
 bool Footholds::have(const Contact& contact) const {
   return std::ranges::any_of(footholds_, [&](const Foothold& foothold) { return foothold.geoms == contact.geoms; });
 }

@@ -20,6 +20,9 @@ class Footholds {
   static std::optional<Footholds> of(const Mechanism& mechanism, const AccurateStepOptions& options,
                                      std::span<const Contact> contacts, const State& state, bool struck);
 
+  /// Is it one that can be held at all, of flat geoms that rub or of a stop?
+  static bool can_hold(const Contact& contact);
+
   /// Of the mechanism with these joints, which come last.
   Motion& motion() { return motion_; }
   const Motion& motion() const { return motion_; }

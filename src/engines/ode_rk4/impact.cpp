@@ -280,11 +280,13 @@ Eigen::VectorXd Impact::stop(State& state) const {
   return p;
 }
 
-double Impact::work(const Eigen::VectorXd& impulses, const State& before, const State& after) const {
+double Impact::work(const Eigen::VectorXd& impulses, const State& before, const State& free, const State& after) const {
   double sum = 0;
   for (std::size_t k = 0; k < motors_.size(); ++k) {
     const Contact& row = rows_[index(motor_row(k))];
-    sum += impulses[motor_row(k)] * (normal_speed(row, before) + normal_speed(row, before, after)) / 2;
+    const double speed = normal_speed(row, before, after);
+    sum += impulses[motor_row(k)] * (normal_speed(row, before) + speed) / 2;
+    sum += motors_[k].within * (speed - normal_speed(row, before, free)) / 2;
   }
   return sum;
 }
@@ -342,17 +344,19 @@ std::vector<Twist> Impact::way_out(double depth, std::span<const Twist> besides,
   if (contacts_.empty()) return {besides.begin(), besides.end()};
   Eigen::VectorXd p = Eigen::VectorXd::Zero(response_.rows());
   p.head(normals()) = complementary(response_.topLeftCorner(normals(), normals()), b);
+  const Eigen::VectorXd moved = response_ * p;
   std::vector<Eigen::Index> pushing;
   double highest = 0, deepest = 0;
   for (Eigen::Index i = 0; i < std::min(impulses.size(), b.size()); ++i) {
     if (impulses[i] <= 0) continue;
     pushing.push_back(i);
-    highest = std::max(highest, b[i] - depth);
+    highest = std::max(highest, b[i] + moved[i] - depth);
     deepest = std::max(deepest, std::fabs(b[i]));
   }
   if (highest > 0 && deepest < hovering) {
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> down(response_(pushing, pushing).eval());
-    down.setThreshold(same_row);
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> down;
+    down.setThreshold(same_row);  // which the decomposition is made with
+    down.compute(response_(pushing, pushing));
     p(pushing) = -down.solve(b(pushing).eval());
   }
   respond(p);

@@ -106,6 +106,7 @@ struct Spring {
   Vector3d on_a, on_b;  // points, apart by nothing where it rests
   double erp, cfm;
   double stiffness = 0, damping = 0;  // N/m, N s/m
+  double bearable = 0;                // of a step, as far as it is known (springs.cpp)
 };
 
 /// What a motor may do at the moment.
@@ -129,6 +130,7 @@ struct Motor {
   bool midway = false;  // where it slides: its point is in the middle of the two bodies, or at the only one
   bool late = false;    // contacts act on what it moves, at the end of a step: what it gives for them it gives there
   double at_end = 0;    // N s or N m s, that it gave there last
+  double expected = 0;  // N or N m: of a late one that does not hold, within the step
 };
 
 /// How far a hinge may turn or a slider may slide, of a against b.

@@ -328,11 +328,15 @@ JointError Motion::displace(const std::vector<Twist>& by, State& state) {
   return project(state).after;
 }
 
-JointErrors Motion::project(State& state) {
+void Motion::stand(const State& state) {
   release();
   if (tree_) turn(state);  // for `free_change`
   look(state);
   factor();
+}
+
+JointErrors Motion::project(State& state) {
+  stand(state);
   return finish(state, largest_error());
 }
 

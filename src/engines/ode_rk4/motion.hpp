@@ -88,6 +88,7 @@ struct LateMotor {
   std::size_t joint, motor;
   double least, most;  // N s or N m s; 0 is one of those between
   double before;       // what it gave last
+  double within;       // N s or N m s: what it gave on the way
 };
 
 class Motion {
@@ -111,8 +112,14 @@ class Motion {
   /// Decides which motors hold and which push from this state on, `t` into the step. `broken` ones hold no more. Late
   /// ones hold a velocity that they have; to come to it is left to the end.
   void drive(const State& state, Forces& forces, double t, std::span<const std::size_t> broken);
-  /// Motors of bodies that contacts act on at the end of a step are late.
+  /// Motors of bodies that contacts act on at the end of a step are late. Within it those that do not hold push with
+  /// what is expected of them.
   void put_off(const std::vector<char>& bodies);
+  /// Of late motors: what each `gave` last, but of those that move bodies that are `off`, and where nothing is given,
+  /// 0.
+  void expect(std::span<const double> gave, const std::vector<char>& off);
+  /// What each late one gave on average in a time h that has just ended, N or N m; 0 of the others.
+  std::vector<double> gave(double h) const;
   /// Those, after a motion of a time h: their limits times h, less what they have given in it.
   std::vector<LateMotor> late(double h) const;
   /// That one of them gives.
@@ -124,6 +131,9 @@ class Motion {
   MotorLine line(const LateMotor& late, const State& state) const {
     return line_of(mechanism_.joints[late.joint], motor(late), state, turns_);
   }
+  /// After a step: can all motors go on as they are until contacts decide? Each of them is late, and needed no more
+  /// than its limit at the last stage.
+  bool can_wait() const;
   /// How far each motor is beyond what it does, at a state that a step came to: it holds with more than its limit, or
   /// has passed its velocity while it pushes. Positive: it has to change; as shares of its limit and its velocity.
   void beyond(const State& state, Forces& forces, double t, std::vector<double>& shares);
@@ -134,6 +144,9 @@ class Motion {
   /// Moves poses onto the joints, then velocities, with motors released. Errors: as found, and what could not be
   /// mended.
   JointErrors project(State& state);
+
+  /// Makes what is below ready at a state that keeps the joints, such as a step has come to: motors released.
+  void stand(const State& state);
 
   /// The change of all velocities that impulses (N s, N m s) on bodies make, joints kept, at the pose of the last
   /// `project` or `displace`.
@@ -199,6 +212,10 @@ class Motion {
   void feel(const State& state, Forces& forces, double t);
   double too_fast(const MotorPlace& place, const State& state) const;
   double motor_force(const MotorPlace& place) const;
+  bool moves(const MotorPlace& place, const std::vector<char>& bodies) const {
+    const Joint& joint = mechanism_.joints[place.joint];
+    return bodies[joint.a] != 0 || (joint.b != world_body && bodies[joint.b] != 0);
+  }
   double time_to_speed(const MotorPlace& place, const State& state) const;
   void correct(State& state);                   // poses, once, by the errors of the rows
   void solve_onto(std::vector<Twist>& twists);  // twists -= M^-1 J' A^-1 (J twists + right-hand side in lambda_)

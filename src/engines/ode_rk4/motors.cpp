@@ -55,8 +55,8 @@ void Motion::drive(const State& state, Forces& forces, double t, std::span<const
     const bool at_once = std::isinf(motor.most) && !motor.late;  // the projection brings it there
     at_speed[m] = (there || at_once) && motor.most > 0 ? 1 : 0;
     if (at_speed[m] == 0) {
-      motor.drive = motor.late ? Drive::released : Drive::pushes;
-      motor.force = motor.late ? 0 : std::copysign(motor.most, -fast);
+      motor.drive = Drive::pushes;
+      motor.force = motor.late ? std::clamp(motor.expected, -motor.most, motor.most) : std::copysign(motor.most, -fast);
     } else if (std::ranges::find(broken, m) == broken.end()) {
       motor.drive = Drive::holds;
     }
@@ -68,7 +68,7 @@ void Motion::drive(const State& state, Forces& forces, double t, std::span<const
     changed = false;
     for (std::size_t m = 0; m < motors_.size(); ++m) {
       Motor& motor = motors_[m].of(mechanism_);
-      const bool comes = motor.drive == Drive::pushes && at_speed[m] == 0 && motor.most > 0;
+      const bool comes = motor.drive == Drive::pushes && at_speed[m] == 0 && motor.most > 0 && !motor.late;
       if (comes && time_to_speed(motors_[m], state) <= no_time * step_) {
         at_speed[m] = 1;
         motor.drive = Drive::holds;
@@ -101,6 +101,8 @@ void Motion::beyond(const State& state, Forces& forces, double t, std::vector<do
     if (motor.drive == Drive::holds) {
       motor.force = motor_force(motors_[m]);
       shares[m] = std::fabs(motor.force) / motor.most - 1 - limit_rounding;
+    } else if (motor.late) {
+      shares[m] = -1;  // it comes to its velocity at the end
     } else {
       const double fast = too_fast(motors_[m], state);
       shares[m] = (motor.force > 0 ? fast : motor.force < 0 ? -fast : -1) / (1 + std::fabs(motor.velocity));
@@ -108,11 +110,30 @@ void Motion::beyond(const State& state, Forces& forces, double t, std::vector<do
   }
 }
 
+bool Motion::can_wait() const {
+  return std::ranges::all_of(motors_, [this](const MotorPlace& place) {
+    const Motor& motor = place.of(mechanism_);
+    return motor.most <= 0 || (motor.late && std::fabs(motor.force) <= motor.most);
+  });
+}
+
 void Motion::put_off(const std::vector<char>& bodies) {
-  for (const MotorPlace& place : motors_) {
-    const Joint& joint = mechanism_.joints[place.joint];
-    place.of(mechanism_).late = bodies[joint.a] != 0 || (joint.b != world_body && bodies[joint.b] != 0);
+  for (const MotorPlace& place : motors_) place.of(mechanism_).late = moves(place, bodies);
+}
+
+void Motion::expect(std::span<const double> gave, const std::vector<char>& off) {
+  for (std::size_t m = 0; m < motors_.size(); ++m) {
+    motors_[m].of(mechanism_).expected = gave.empty() || moves(motors_[m], off) ? 0 : gave[m];
   }
+}
+
+std::vector<double> Motion::gave(double h) const {
+  std::vector<double> forces;
+  for (const MotorPlace& place : motors_) {
+    const Motor& motor = place.of(mechanism_);
+    forces.push_back(motor.late && motor.most > 0 ? motor.force + motor.at_end / h : 0);
+  }
+  return forces;
 }
 
 std::vector<LateMotor> Motion::late(double h) const {
@@ -122,7 +143,7 @@ std::vector<LateMotor> Motion::late(double h) const {
     if (!motor.late || h <= 0 || motor.most <= 0) continue;
     const double least = std::min(0.0, (-motor.most - motor.force) * h);
     const double most = std::max(0.0, (motor.most - motor.force) * h);
-    found.push_back({place.joint, place.motor, least, most, std::clamp(motor.at_end, least, most)});
+    found.push_back({place.joint, place.motor, least, most, std::clamp(motor.at_end, least, most), motor.force * h});
   }
   return found;
 }

@@ -15,7 +15,8 @@ constexpr double most_acceleration = 100, most_change = 0.5;
 constexpr std::size_t least_struck = 8;
 // Of a step: what contacts do in less says less than what they did before.
 constexpr double long_enough = 0.1;
-constexpr double probe = 0.1;  // of a height that is known to the first order
+constexpr double same_face = 0.999;  // cosine
+constexpr double probe = 0.1;        // of a height that is known to the first order
 
 Vector3d turned(const Vector3d& vector, const Vector3d& spin, double time) {
   return (vector + time * spin.cross(vector)).normalized();
@@ -43,15 +44,25 @@ std::vector<char> Flight::reached(std::vector<char> bodies) const {
   return bodies;
 }
 
-/// Bodies that motors move: their motors push at ends of steps, and so does what they rest on.
-std::vector<char> Flight::driven() const {
-  std::vector<char> driven(here_.size(), 0);
+/// Bodies among which motors push, and something rests of which it is not known what it does: what does not push there
+/// leaves what motors do to the end of the step, too.
+std::vector<char> Flight::unsteady() const {
+  std::vector<char> driven(here_.size(), 0), unsteady = driven;
+  const auto mark = [](const auto& pair, std::vector<char>& bodies) {
+    for (const std::size_t body : {pair.a, pair.b}) {
+      if (body != world_body) bodies[body] = 1;
+    }
+  };
   for (const Joint& joint : motion_.mechanism().joints) {
-    if (std::ranges::none_of(joint.motors, [](const Motor& motor) { return motor.most > 0; })) continue;
-    driven[joint.a] = 1;
-    if (joint.b != world_body) driven[joint.b] = 1;
+    if (std::ranges::any_of(joint.motors, [](const Motor& motor) { return motor.most > 0; })) mark(joint, driven);
   }
-  return reached(std::move(driven));
+  for (const Contact& contact : resting_) {
+    if (!pushes_on(contact) && !held_fast(contact)) mark(contact, unsteady);
+  }
+  driven = reached(std::move(driven));
+  unsteady = reached(std::move(unsteady));
+  for (std::size_t i = 0; i < driven.size(); ++i) unsteady[i] = driven[i] != 0 && unsteady[i] != 0 ? 1 : 0;
+  return unsteady;
 }
 
 /// Contacts at hand and bodies that feel them.
@@ -67,18 +78,20 @@ std::size_t Flight::struck_at_once() const {
   return contacts_.size() + std::max(count, std::min(here_.size(), least_struck));
 }
 
-/// From `here_`, which is `after` into the step. Where no force acts nothing does, and impulses alone keep energy and
-/// momenta to rounding; so they do at elastic contacts.
+/// From `here_`, which is `after` into the step; motors that contacts act on push on likewise. Where no force acts
+/// nothing does, and impulses alone keep energy and momenta to rounding; so they do at elastic contacts.
 void Flight::push_on(double after) {
   pushing_.clear();
+  mover().expect({}, {});
   forces_->pushes.clear();
   forces_->since = after;
   const auto acts = [](const Wrench& wrench) { return !wrench.force.isZero(0) || !wrench.torque.isZero(0); };
   if (crowded_ > 0 || !(forces_->renew || std::ranges::any_of(forces_->now, acts))) return;
-  const std::vector<char> is_driven = driven();
-  const auto off = [&](std::size_t body) { return body != world_body && is_driven[body] != 0; };
+  const std::vector<char> off = unsteady();
+  const auto is_off = [&](std::size_t body) { return body != world_body && off[body] != 0; };
+  mover().expect(gave_, off);
   for (const Contact& contact : resting_) {
-    if (!contact.steady || contact.restitution == 1 || held_fast(contact) || off(contact.a) || off(contact.b)) continue;
+    if (!pushes_on(contact) || is_off(contact.a) || is_off(contact.b)) continue;
     pushing_.push_back(contact);
     const std::size_t with = steadier(contact);
     forces_->pushes.push_back({contact.a, contact.b, with == 0 ? contact.a : contact.b, contact.arms[with],
@@ -116,6 +129,14 @@ void Flight::arrive(const State& at, double passed) {
       continue;
     }
     now.normal = turned(now.normal, push.spin, passed);
+    // Faces of one pair of geoms have one normal: to go on as it turned would turn it away from step to step.
+    double nearest_normal = same_face;
+    for (std::size_t i = 0; i < found; ++i) {
+      const Vector3d normal = contacts_[i].a == now.a ? contacts_[i].normal : Vector3d(-contacts_[i].normal);
+      if (contacts_[i].geoms != now.geoms || normal.dot(now.normal) < nearest_normal) continue;
+      nearest_normal = normal.dot(now.normal);
+      now.normal = normal;
+    }
     const auto moved = [&](std::size_t body, const Vector3d& arm) -> Vector3d {
       if (body == world_body) return Vector3d::Zero();
       const Vector3d turn = passed / 2 * (here_[body].twist.angular + at[body].twist.angular);
@@ -186,7 +207,7 @@ void Flight::recall(const State& at, double h) {
   }
 }
 
-/// To the contacts at hand, what they did in a time h.
+/// To the contacts at hand, and of motors, what they did in a time h.
 void Flight::note(const Impact& impact, const Eigen::VectorXd& impulses, double h) {
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     Contact& contact = contacts_[i];
@@ -195,6 +216,7 @@ void Flight::note(const Impact& impact, const Eigen::VectorXd& impulses, double 
     contact.force = contact.push / h;
     contact.torque = contact.turn / h;
   }
+  if (h >= long_enough * step_) gave_ = mover().gave(h);
 }
 
 /// On the way to a state that comes `passed` after `here_`, J: to the third order in that.

@@ -56,10 +56,11 @@ void Motion::check_springs(const State& state) {
   std::vector<Place> places;
   double most = std::numeric_limits<double>::infinity();
   for (const std::size_t j : sprung_) {
-    const Joint& joint = mechanism_.joints[j];
+    Joint& joint = mechanism_.joints[j];
     if (mechanism_.bodies[joint.a].asleep) continue;
-    for (const Spring& spring : joint.springs) {
-      most = std::min(most, bearable * stiffest(spring.erp));
+    for (Spring& spring : joint.springs) {
+      if (spring.bearable == 0) spring.bearable = bearable * stiffest(spring.erp);
+      most = std::min(most, spring.bearable);
       places.push_back({joint, spring, line_of(joint, spring, state, turns_), std::sqrt(step_ / spring.cfm)});
     }
   }
