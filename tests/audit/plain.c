@@ -244,7 +244,7 @@ static void pressed(void) {
 static void soft_stops(void) {
   dWorldSetERP(world, erp());
   dWorldSetCFM(world, cfm());
-  for (int i = 0; i < 7; ++i) make_box(add(5 * i + 0.5, 0, 1), 1, 0.1, 0.2, 0.3);
+  for (int i = 0; i < 8; ++i) make_box(add(5 * i + 0.5, 0, 1), 1, 0.1, 0.2, 0.3);
   dJointID hinge = dJointCreateHinge(world, 0);
   dJointAttach(hinge, bodies[0], 0);
   dJointSetHingeAnchor(hinge, 0, 0, 1);
@@ -288,6 +288,16 @@ static void soft_stops(void) {
   }
   dBodySetGravityMode(bodies[6], 0);
   soften(turner, dJointSetAMotorParam, 3);
+  dBodyID chassis = dBodyCreate(world);
+  dBodySetKinematic(chassis);
+  dBodySetPosition(chassis, 35, 0, 1);
+  dJointID fork = dJointCreateHinge2(world, 0);
+  dJointAttach(fork, chassis, bodies[7]);
+  dJointSetHinge2Anchor(fork, 35.5, 0, 1);
+  const dVector3 up = {0, 0, 1}, along = {0, 1, 0};
+  dJointSetHinge2Axes(fork, up, along);
+  dBodySetAngularVel(bodies[7], 0, 0, 3);
+  soften(fork, dJointSetHinge2Param, 1);
 }
 
 /* A ball on soft ground. */
