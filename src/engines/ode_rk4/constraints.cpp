@@ -133,6 +133,14 @@ void constrain(const Distance& distance, const Pair& now, Eigen::Index k, JointR
                  (apart_rate.squaredNorm() - along * along) / length;
 }
 
+void constrain(const Roll& roll, const Pair& now, Eigen::Index k, JointRows& rows) {
+  const Vector3d centre = now.turn_a * roll.centre, lowest = centre - roll.radius * roll.normal;
+  rows.of_a.block<3, 3>(k, 0).setIdentity();
+  rows.of_a.block<3, 3>(k, 3) = -cross_matrix(lowest);
+  rows.error.segment<3>(k) = (roll.normal.dot(now.x_a + lowest) - roll.height) * roll.normal;
+  rows.bias.segment<3>(k) = now.w_a.cross(now.w_a.cross(centre));
+}
+
 void constrain(const Gear& gear, const Pair& now, Eigen::Index k, JointRows& rows) {
   const Vector3d r_a = now.turn_a * gear.on_a, r_b = now.turn_b * gear.on_b;
   const Vector3d n_a = now.turn_a * gear.axis_a, n_b = now.turn_b * gear.axis_b;
@@ -197,6 +205,10 @@ void constrain(const Joint& joint, const State& state, std::span<const Matrix3d>
   for (const Slide& slide : joint.slides) constrain(slide, now, k++, rows);
   for (const Distance& distance : joint.distances) constrain(distance, now, k++, rows);
   for (const Gear& gear : joint.gears) constrain(gear, now, k++, rows);
+  for (const Roll& roll : joint.rolls) {
+    constrain(roll, now, k, rows);
+    k += 3;
+  }
   for (const Motor& motor : joint.motors) {
     rows.of_a.row(k).setZero();
     rows.of_b.row(k).setZero();

@@ -162,7 +162,8 @@ void Flight::find_footholds(double after, bool struck) {
   if (footholds_ && (!footholds_->fit(here_) || disturbed())) footholds_.reset();
   const bool found = !footholds_;
   if (found) {
-    if (slipped_ || crowded_ > 0 || std::ranges::none_of(resting_, Footholds::can_hold)) return;
+    const auto can_hold = [this](const Contact& contact) { return Footholds::can_hold(motion_.mechanism(), contact); };
+    if (slipped_ || crowded_ > 0 || std::ranges::none_of(resting_, can_hold)) return;
     look(here_);
     if (struck) add_to_contacts(struck_);
     footholds_ = Footholds::of(motion_.mechanism(), options_, contacts_, here_, struck);
@@ -334,13 +335,15 @@ const Contact* Flight::nearest_resting(const Contact& contact) const {
 /// normal of that time: what approaches at its end is what the forces did.
 bool Flight::rests(const Contact& contact, const State& at) const {
   if (stopped(contact)) return true;
-  if (held_fast(contact) && !footholds_->stand_on(contact, at)) return false;
+  if (held_fast(contact) && !contact.is_stop) return footholds_->stand_on(contact, at);
   if (contact.followed) return true;
   const Contact* const nearest = nearest_resting(contact);
   if (nearest == nullptr) return false;
   Contact then = contact;
   then.normal = nearest->a == contact.a ? nearest->normal : Vector3d(-nearest->normal);
-  return normal_speed(then, at, here_) >= -options_.rest_speed;
+  if (normal_speed(then, at, here_) >= -options_.rest_speed) return true;
+  // What is round touches with another point of its body since: where it did then it did not approach.
+  return nearest->placed && is_round(contact) && normal_speed(at_start(*nearest), here_) >= -options_.rest_speed;
 }
 
 /// The deepest contact that is not at rest, if any. What lies side by side overlaps by rounding, and what was struck at
@@ -474,8 +477,11 @@ void Flight::impact(double t, bool at_once, bool last) {
   tell(options_.after_impact, touches_[touch]);
 
   // What leaves slowly stays, and so does what comes again without time passing.
-  for (const Contact& contact : striking) {
-    if (speed(contact) <= options_.rest_speed) resting_.push_back(contact);
+  for (Contact& contact : striking) {
+    if (speed(contact) <= options_.rest_speed) {
+      place(contact, here_);
+      resting_.push_back(contact);
+    }
     if (at_once && among(struck_, contact)) stopped_.push_back(contact);
   }
   if (!at_once) struck_.clear();

@@ -89,6 +89,7 @@ class Flight {
   }
   void push_on(double after);
   static void place(Contact& contact, const State& at);
+  Contact at_start(Contact contact) const;
   void arrive(const State& at, double passed);
   void remember(const State& at, double passed);
   double work_of_pushes(const State& at, double passed) const;

@@ -19,6 +19,7 @@ constexpr double too_deep = 1e-7;       // m: it has to be pushed out first
 constexpr double least_depth = 1e-12;   // m: what an impact is located to, a thousand roundings, is still found
 constexpr double astray = 1e-8;         // m, rad: what the user moved, far above what projection leaves
 constexpr double thin = 1e-4;           // of the distance between contacts: nearer than this to a line, they are on it
+constexpr double on_face = 1 - 1e-12;   // cosine between a normal and a box's axis
 constexpr double near_point = 1e-6;     // m: all contacts this near are one
 constexpr std::size_t most_pairs = 16;  // more are a heap, which the time-stepping scheme serves better
 // Of the force: contacts that bear it leave nothing but rounding of their solution. And m/s^2 of the body, where there
@@ -95,16 +96,50 @@ Joint lock(const Contact& contact, const State& state) {
   return joint;
 }
 
+/// One that rolls and sticks is held as well where it has a plane of the world, or a face of a box, to itself.
+bool can_roll(const Mechanism& mechanism, const Contact& contact) {
+  const std::size_t body = contact.a == world_body ? contact.b : contact.a;
+  if ((contact.a != world_body && contact.b != world_body) || mechanism.bodies[body].inverse_mass == 0) return false;
+  const auto is_its = [&](const Joint& joint) { return joint.a == body || joint.b == body; };
+  if (std::ranges::any_of(mechanism.joints, is_its)) return false;
+  const auto geom = [](const void* of) { return static_cast<dGeomID>(const_cast<void*>(of)); };
+  dGeomID one = geom(contact.geoms.first), other = geom(contact.geoms.second);
+  if (dGeomGetBody(one) == nullptr) std::swap(one, other);
+  if (dGeomGetClass(one) != dSphereClass) return false;
+  if (dGeomGetClass(other) != dBoxClass) return dGeomGetClass(other) == dPlaneClass;
+  const dReal* const r = dGeomGetRotation(other);
+  const Vector3d& n = contact.normal;
+  double along = 0;
+  for (int k = 0; k < 3; ++k) along = std::max(along, std::fabs(n[0] * r[k] + n[1] * r[4 + k] + n[2] * r[8 + k]));
+  return along > on_face;
+}
+
+Joint rolling(const Contact& contact) {
+  const std::size_t a = contact.a == world_body ? contact.b : contact.a;
+  dGeomID sphere = static_cast<dGeomID>(const_cast<void*>(contact.geoms.first));
+  if (dGeomGetBody(sphere) == nullptr) sphere = static_cast<dGeomID>(const_cast<void*>(contact.geoms.second));
+  Joint joint{nullptr, a, world_body, {}, {}, {}, {}, {}, {}, {}, {}};
+  const dReal* const offset = dGeomGetOffsetPosition(sphere);
+  const double wanted = std::clamp(contact.depth, least_depth, rest_depth);
+  const Vector3d n = normal_from(contact, a);
+  joint.rolls.push_back({{offset[0], offset[1], offset[2]},
+                         n,
+                         dGeomSphereGetRadius(sphere),
+                         n.dot(contact.point) + contact.depth - wanted});
+  return joint;
+}
+
 /// That holds the contacts of one pair of geoms as they are, as deep as what rests; nothing for what may roll.
 std::optional<Joint> joint_of(const Mechanism& mechanism, const Group& group, const State& state) {
   const Contact& first = group.front();
   if (first.is_stop) return lock(first, state);
+  if (can_roll(mechanism, first)) return rolling(first);
   const auto moves = [&](std::size_t body) { return body != world_body && mechanism.bodies[body].inverse_mass > 0; };
   const std::size_t a = moves(first.a) ? first.a : first.b, b = a == first.a ? first.b : first.a;
   const Spread spread(group);
   const Shape one = shape(first.geoms.first), other = shape(first.geoms.second);
   const bool corner = spread.length < near_point;
-  if (one == Shape::round || other == Shape::round) return std::nullopt;
+  if (is_round(first)) return std::nullopt;
   if (corner && one != Shape::plane && other != Shape::plane) return std::nullopt;  // perhaps two edges that cross
   Joint joint{nullptr, a, b, {}, {}, {}, {}, {}, {}, {}, {}};
   double depth = 0;
@@ -163,6 +198,11 @@ bool sticks(const Mechanism& mechanism, const Contact& contact, const State& sta
 
 }  // namespace
 
+bool is_round(const Contact& contact) {
+  if (contact.is_stop) return false;
+  return shape(contact.geoms.first) == Shape::round || shape(contact.geoms.second) == Shape::round;
+}
+
 std::optional<Footholds> Footholds::of(const Mechanism& mechanism, const AccurateStepOptions& options,
                                        std::span<const Contact> contacts, const State& state, bool struck) {
   std::vector<Contact> resting;
@@ -197,10 +237,9 @@ std::optional<Footholds> Footholds::of(const Mechanism& mechanism, const Accurat
   return Footholds(std::move(held), options.order, std::move(footholds));
 }
 
-bool Footholds::can_hold(const Contact& contact) {
+bool Footholds::can_hold(const Mechanism& mechanism, const Contact& contact) {
   if (contact.is_stop) return true;
-  return contact.friction > 0 && shape(contact.geoms.first) != Shape::round &&
-         shape(contact.geoms.second) != Shape::round;
+  return contact.friction > 0 && (!is_round(contact) || can_roll(mechanism, contact));
 }
 
 bool Footholds::have(const Contact& contact) const {
@@ -211,7 +250,7 @@ bool Footholds::stand_on(const Contact& contact, const State& state) const {
   return std::ranges::any_of(footholds_, [&](const Foothold& foothold) {
     if (foothold.geoms != contact.geoms) return false;
     const Joint& joint = motion_.mechanism().joints[foothold.joint];
-    if (contact.is_stop || is_face(joint)) return true;
+    if (contact.is_stop || is_face(joint) || !joint.rolls.empty()) return true;
     Vector3d off = in_frame_point(state, joint.a, contact.point) - joint.points.front().on_a;
     if (!joint.squares.empty()) {
       const Vector3d edge = joint.squares[0].p.cross(joint.squares[1].p);
@@ -260,6 +299,9 @@ bool Footholds::bear(const State& state, Forces& forces, double t, std::span<con
       return stop.normal.dot(stop.turns ? needed.torque : needed.force) >= -borne * no_force;
     }
     // The forces that leave a body of unit mass, as wide as the contacts, at rest.
+    for (const Roll& roll : motion_.mechanism().joints[foothold.joint].rolls) {
+      if (group.size() != 1 || normal_from(group.front(), a).dot(roll.normal) < on_face) return false;
+    }
     const Vector3d centre = centre_of(group);
     const double width = std::max(Spread(group).length, near_point);
     const auto count = static_cast<Eigen::Index>(group.size());

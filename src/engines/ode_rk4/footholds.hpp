@@ -12,6 +12,9 @@
 
 namespace odeval::engine_rk4 {
 
+/// Does one of its geoms roll? Of a stop, no.
+bool is_round(const Contact& contact);
+
 class Footholds {
  public:
   /// Of contacts that rest at a state, of flat geoms that do not slip. Nothing where none can be held: what is joined
@@ -20,8 +23,8 @@ class Footholds {
   static std::optional<Footholds> of(const Mechanism& mechanism, const AccurateStepOptions& options,
                                      std::span<const Contact> contacts, const State& state, bool struck);
 
-  /// Is it one that can be held at all, of flat geoms that rub or of a stop?
-  static bool can_hold(const Contact& contact);
+  /// Is it one that can be held at all: of flat geoms that rub, of a ball that rolls, of a stop?
+  static bool can_hold(const Mechanism& mechanism, const Contact& contact);
 
   /// Of the mechanism with these joints, which come last.
   Motion& motion() { return motion_; }

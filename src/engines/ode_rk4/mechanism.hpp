@@ -2,13 +2,14 @@
 // Bodies and joints of an ODE world, as its public functions describe them, and the equations of constraint.
 //
 // World frame throughout. A twist (v, w) is the velocity of a body's centre and its angular velocity. A joint is up to
-// six scalar constraints C = 0 of five kinds, each with its row J (C' = J u over the twists u of its two bodies) and
+// six scalar constraints C = 0 of six kinds, each with its row J (C' = J u over the twists u of its two bodies) and
 // the part of C'' that holds no acceleration:
 //
 //   point     r_a - r_b = 0           three rows: the anchors coincide
 //   square    p . n = c               p fixed in body a, n in body b; c = 0 but for a hinge2
 //   slide     p . (r_b - r_a) = 0     p fixed in body a
 //   distance  |r_a - r_b| = d
+//   roll      n . r = c, v_a + w_a x (r - x_a) = 0, r the lowest point of a sphere: two of them of velocities alone
 //   gear      l . (r_a - r_b)' + R_a w_a . n_a + R_b w_b . n_b = 0, of velocities alone
 //
 //   ball      point                       universal  point, square
@@ -100,6 +101,12 @@ struct Gear {
   double across, along;     // else: of the way d from b's centre to a's, l ~ across d x n_a + along d
   double of_a, of_b;        // radii, signed
 };
+/// A sphere of body a on a plane of the world, sticking: the point where they touch stands still.
+struct Roll {
+  Vector3d centre;        // of the sphere, in a's frame
+  Vector3d normal;        // out of the plane
+  double radius, height;  // of the sphere; of its lowest point along the normal
+};
 /// The suspension of a hinge2, along an axis: force and speed as ODE's ERP and CFM have them at the step at hand.
 struct Spring {
   Vector3d axis;        // in a's frame
@@ -155,11 +162,12 @@ struct Joint {
   std::vector<Motor> motors;
   std::vector<Stop> stops;
   std::vector<Spring> springs;
+  std::vector<Roll> rolls = {};
 
   /// Of constraints; those of motors come after.
   Eigen::Index constraints() const {
     return static_cast<Eigen::Index>(3 * points.size() + squares.size() + slides.size() + distances.size() +
-                                     gears.size());
+                                     gears.size() + 3 * rolls.size());
   }
   Eigen::Index rows() const { return constraints() + static_cast<Eigen::Index>(motors.size()); }
 };

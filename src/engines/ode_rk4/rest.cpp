@@ -162,6 +162,13 @@ void Flight::place(Contact& contact, const State& at) {
   contact.placed = true;
 }
 
+/// One that rests, and is placed, where it is at `here_`.
+Contact Flight::at_start(Contact contact) const {
+  contact.point = contact.arms[0];
+  if (contact.a != world_body) contact.point += here_[contact.a].pose.position;
+  return contact;
+}
+
 /// Moves what rests to where it is at a state when a time has passed since `here_`.
 void Flight::remember(const State& at, double passed) {
   for (Contact& contact : resting_) {
@@ -199,10 +206,7 @@ void Flight::recall(const State& at, double h) {
     const Vector3d& way = on_a.norm() < on_b.norm() ? on_a : on_b;
     contact.steady = way.norm() <= h * (fastest(contact.a) + fastest(contact.b)) + most_acceleration * h * h;
     contact.drifts = {on_a / h, on_b / h};
-    Contact then = *before;
-    then.point =
-        before->arms[0] + (before->a == world_body ? Vector3d(Vector3d::Zero()) : here_[before->a].pose.position);
-    contact.came = sign * relative_velocity(then, here_, here_);
+    contact.came = sign * relative_velocity(at_start(*before), here_, here_);
     contact.spin = sign / h * before->normal.cross(contact.normal);
   }
 }
