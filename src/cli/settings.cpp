@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <iostream>
+#include <map>
 #include <string_view>
 
 #include "catalogue/paths.hpp"
@@ -179,19 +180,20 @@ std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::stri
   }
   if (!asked.empty()) return chosen;
 
-  std::string missing;
-  std::string_view why;
+  std::map<std::string_view, std::string> missing;  // by why
   for (const catalogue::Method& method : catalogue::methods()) {
     if (std::ranges::find(scenario.methods, method.name) == scenario.methods.end()) continue;
     catalogue::require_does(method, scenario, scenario.file + ": methods");
     if (method.make != nullptr) {
       chosen.push_back(&method);
     } else {
-      missing += (missing.empty() ? "" : ", ") + std::string(method.name);
-      why = method.why_missing;
+      std::string& names = missing[method.why_missing];
+      names += (names.empty() ? "" : ", ") + std::string(method.name);
     }
   }
-  if (!missing.empty()) std::cerr << "odeval: " << scenario.name << ": left out: " << missing << "; " << why << '\n';
+  for (const auto& [why, names] : missing) {
+    std::cerr << "odeval: " << scenario.name << ": left out: " << names << "; " << why << '\n';
+  }
   if (chosen.empty()) throw UserError(scenario.file + ": methods: names none to run; give --method M[,M...]");
   return chosen;
 }

@@ -433,7 +433,13 @@ Content answer(Laboratory& laboratory, Findings& findings) {
       table.rows.push_back(row_of(task, bench, all));
       if (all.best().kept.keeps) proofs.rows.push_back({std::string(task.text), command_of(task, bench, all.best())});
     } catch (const std::exception& error) {  // the build lacks what the task's reference needs
-      table.rows.push_back({std::string(task.text), report::Missing{error.what()}});
+      std::vector<report::Cell> row{std::string(task.text)};
+      row.resize(table.columns.size(), report::Missing{error.what()});
+      table.rows.push_back(std::move(row));
+      findings.add(fmt::format("answer.{}_step", task.name),
+                   unavailable("step of ODE's best settings", "ms", error.what()));
+      findings.add(fmt::format("answer.{}_default_step", task.name),
+                   unavailable("step of ODE's defaults", "ms", error.what()));
     }
   }
   plain_impact(laboratory, findings);
