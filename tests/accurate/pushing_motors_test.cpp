@@ -286,6 +286,24 @@ void check_overload(double h) {
   CHECK_BETWEEN(worst, 0, 1e-12);  // a cubic, which the formula meets; beyond its limit within one step: 1e-5
 }
 
+/// A platform that a motor holds, with a box that just touches it and comes off it within the step, as a load grows:
+/// the motor bears the box where it is met again on a way out.
+void check_met_again(double h) {
+  World world;
+  const dBodyID platform = world.box(10, {1, 1, 0.1}, {0, 0, 0});
+  world.box(3, {0.2, 0.2, 0.2}, {0.2, 0, 0.15});
+  driven_slider(world, platform, nullptr, {0, 0, 1}, 0, 1000);
+  AccurateStepOptions options = rubbing(0);
+  double begin = 0;
+  options.forces = [&](double t) { dBodyAddForce(platform, 0, 0, -(begin + t)); };
+  AccurateStep step(world.id, world.space, options);
+  for (int k = 1; k * h < 0.1; ++k) {
+    step(h);
+    begin = k * h;
+    CHECK_NEAR(dBodyGetLinearVel(platform)[2], 0, 1e-12);
+  }
+}
+
 /// A box that stands and sticks is gripped and lifted off: it is held where it stands no more once fingers touch it.
 void check_lift_off(double h) {
   World world;
@@ -429,6 +447,7 @@ int main() {
     check_platform(h);
     check_servo(h);
     check_overload(h);
+    check_met_again(h);
     check_post(h);
     check_lift_off(h);
     for (const int boxes : {1, 3}) check_energy(h, boxes);

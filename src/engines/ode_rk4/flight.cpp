@@ -582,12 +582,13 @@ bool Flight::hold(State& state, double h) {
     if (first) recall(state, h);
     const bool pushed = !forces_->pushes.empty();
     const bool follows = first && (pushed || !motors.empty() || std::ranges::any_of(contacts_, &Contact::rubs));
-    const Impact impact(motion, contacts_, state, std::exchange(motors, {}));
+    const Impact impact(motion, contacts_, state, motors);
     const State free = state;
     bounce_elastic(motion, impact, contacts_, h, state);
     const Eigen::VectorXd impulses = impact.stop(state);
     const double work = impact.work(impulses, here_, free, state);
     if (first) tell_joints(impact, impulses, state, h);
+    impact.spend(impulses, motors);  // what is found on the way out is borne by what they can give yet
     std::vector<Twist> by;
     const double done = first ? work_of_pushes(free, h) : 0;
     if (first) {

@@ -291,6 +291,15 @@ double Impact::work(const Eigen::VectorXd& impulses, const State& before, const 
   return sum;
 }
 
+void Impact::spend(const Eigen::VectorXd& impulses, std::vector<LateMotor>& motors) const {
+  for (std::size_t k = 0; k < motors.size(); ++k) {
+    const double given = impulses[motor_row(k)];
+    motors[k].least = std::min(0.0, motors[k].least - given);
+    motors[k].most = std::max(0.0, motors[k].most - given);
+    motors[k].before = 0;
+  }
+}
+
 std::vector<Contact> Impact::note_motors(const Eigen::VectorXd& impulses) const {
   std::vector<Contact> found;
   for (std::size_t k = 0; k < motors_.size(); ++k) {

@@ -77,6 +77,8 @@ class Impact {
   /// Of motors, J, by impulses of `stop` that acted evenly from one state to another, besides what they did on the way
   /// to where it was `free` of those: what they gave there goes on over what these make of the way.
   double work(const Eigen::VectorXd& impulses, const State& before, const State& free, const State& after) const;
+  /// Takes off motors' limits what they gave.
+  void spend(const Eigen::VectorXd& impulses, std::vector<LateMotor>& motors) const;
   /// What motors gave, as contacts whose first geom is the joint's id, with what they push; notes it for the next time.
   std::vector<Contact> note_motors(const Eigen::VectorXd& impulses) const;
   /// Of motion that impulses alone would make of rest, J.
