@@ -98,6 +98,30 @@ void CvodeSolver::interpolate(double t, double* y) const {
   std::copy_n(N_VGetArrayPointer(between_.get()), size_, y);
 }
 
+CvodeSolver::Polynomial CvodeSolver::polynomial() const {
+  Polynomial last;
+  int order = 0;
+  check(CVodeGetLastOrder(cvode_.get(), &order), "CVodeGetLastOrder");
+  check(CVodeGetLastStep(cvode_.get(), &last.step_s), "CVodeGetLastStep");
+  check(CVodeGetCurrentTime(cvode_.get(), &last.end_s), "CVodeGetCurrentTime");
+  double scale = 1;  // step^k / k!
+  for (int k = 0; k <= order; scale *= last.step_s / ++k) {
+    check(CVodeGetDky(cvode_.get(), last.end_s, k, between_.get()), "CVodeGetDky");
+    const double* const derivative = N_VGetArrayPointer(between_.get());
+    for (std::size_t i = 0; i < size_; ++i) last.coefficients.push_back(scale * derivative[i]);
+  }
+  return last;
+}
+
+void CvodeSolver::Polynomial::at(double t, double* y, std::size_t size) const {
+  const double part = (t - end_s) / step_s;
+  std::fill_n(y, size, 0.0);
+  for (std::size_t from = coefficients.size(); from > 0;) {
+    from -= size;
+    for (std::size_t i = 0; i < size; ++i) y[i] = y[i] * part + coefficients[from + i];
+  }
+}
+
 void CvodeSolver::interpolate_sensitivities(double t, double* transition) const {
   for (std::size_t j = 0; j < size_; ++j) {
     check(CVodeGetSensDky1(cvode_.get(), t, 0, static_cast<int>(j), between_.get()), "CVodeGetSensDky1");

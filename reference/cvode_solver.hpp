@@ -47,6 +47,15 @@ class CvodeSolver {
   const double* state() const { return N_VGetArrayPointer(y_.get()); }
   /// The state at a time of the last step, from the formula's own polynomial.
   void interpolate(double t, double* y) const;
+  /// That polynomial, to be kept: in powers of (t - end_s) / step_s, so many numbers each as a state has.
+  struct Polynomial {
+    double end_s = 0;
+    double step_s = 0;
+    std::vector<double> coefficients = {};
+
+    void at(double t, double* y, std::size_t size) const;
+  };
+  Polynomial polynomial() const;
 
   /// P at a time of the last step, size x size, by rows: column j is d(state)/d(start_j).
   void interpolate_sensitivities(double t, double* transition) const;

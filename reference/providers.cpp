@@ -80,6 +80,14 @@ const ReferenceProvider& provider_for(const Scenario& scenario) {
                   std::string(without));
 }
 
+std::function<Reference(const SampleGrid&)> follow(const Scenario& scenario) {
+#ifdef ODEVAL_HAVE_SIMBODY
+  const bool sampled = std::ranges::any_of(scenario.mechanism.joints, &Joint::sampled);
+  if (provider_for(scenario).supports == is_tree && !sampled) return follow_tree(scenario);
+#endif
+  return {};
+}
+
 Scenario half_a_step_earlier(const Scenario& scenario) {
 #ifdef ODEVAL_HAVE_SIMBODY
   if (!has_body_motion(scenario) && is_tree(scenario)) return tree_half_a_step_earlier(scenario);

@@ -166,6 +166,22 @@ const TreeMotion::State& TreeMotion::at(double t) {
   throw MachineError(fmt::format("reference for '{}': at t = {} s its loops can not be closed", name_, t));
 }
 
+TreePiece TreeMotion::piece() {
+  TreePiece last{end_, grips_, chart_, at(end_), {}, passage_};
+  if (!passage_ && solver_.steps() > 0) last.way = solver_.polynomial();
+  return last;
+}
+
+TreeEquations::State TreePiece::at(double t) const {
+  if (passage) return passage->way.at(t);
+  TreeEquations::State state = last;
+  if (way.coefficients.empty()) return state;
+  std::vector<double> small(chart->size());
+  way.at(t, small.data(), small.size());
+  if (chart->find_near(small.data(), state)) return state;
+  throw MachineError(fmt::format("reference: at t = {} s its loops can not be closed", t));
+}
+
 std::optional<TreeMotion::Event> TreeMotion::first_event() {
   std::optional<Event> first;
   const auto take = [&](std::optional<double> t, std::size_t axis, std::optional<double> lets_go, bool strikes) {

@@ -16,6 +16,19 @@
 
 namespace odeval::reference {
 
+/// A piece of a motion, to be kept.
+struct TreePiece {
+  double end_s;
+  Grips grips;
+  std::shared_ptr<const LoopChart> chart;
+  TreeEquations::State last;                    // at its end
+  CvodeSolver::Polynomial way = {};             // of small states; empty: it has no length
+  std::shared_ptr<const Passage> passage = {};  // in the place of these
+
+  /// The state at a time of it. Throws MachineError where loops can not be closed.
+  TreeEquations::State at(double t) const;
+};
+
 class TreeMotion {
  public:
   using State = TreeEquations::State;
@@ -50,6 +63,8 @@ class TreeMotion {
 
   /// The state at a time of the last piece, before what happens at its end; stays until the next call.
   const State& at(double t);
+  /// The last piece; before the first, the start.
+  TreePiece piece();
   /// The small states that are integrated until end().
   const std::shared_ptr<const LoopChart>& chart() const { return chart_; }
 

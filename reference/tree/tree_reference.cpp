@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <memory>
 #include <optional>
+#include <utility>
 
 #include "odeval/error.hpp"
 #include "reference/closed_form/body_solution.hpp"
@@ -93,6 +96,108 @@ class TreeSimulation final : public Simulation {
   TreeMotion motion_;
 };
 
+/// Rows of a reference, from states.
+class TreeRows {
+ public:
+  TreeRows(const TreeEquations& equations, const Mechanism& mechanism)
+      : equations_(equations),
+        mechanism_(mechanism),
+        now_({.bodies = mechanism.bodies.size(), .joints = mechanism.joints.size()}, 1) {}
+
+  void add(double t, const double* y, const Grips& grips) {
+    equations_.show(y, now_[0].bodies);
+    equations_.forces(t, y, grips, now_[0].joints);
+    append_row(reference_, mechanism_, t, now_[0]);
+  }
+
+  Reference finished(const TreeUncertainty& uncertainty, std::vector<StopStrike> strikes, Tolerances tight,
+                     Tolerances loose) {
+    for (const double t : reference_.trace.t) append_uncertainty(reference_, uncertainty.at(t));
+    reference_.strikes = std::move(strikes);
+    if (equations_.forces_are_known()) tell_joint_forces(reference_, mechanism_);
+    const std::size_t count = equations_.loops();
+    const std::string loops = count > 0 ? fmt::format(" with {} loop{}", count, count == 1 ? "" : "s") : "";
+    reference_.origin =
+        fmt::format("equations of a tree{} by {}, {}", loops, equations_.version(), origin_of(tight, loose));
+    return std::move(reference_);
+  }
+
+ private:
+  const TreeEquations& equations_;
+  const Mechanism& mechanism_;
+  Motion now_;
+  Reference reference_;
+};
+
+/// The two runs, and what they leave unknown.
+class TreeRuns {
+ public:
+  TreeRuns(const Scenario& scenario, Tolerances tight_run, Tolerances loose_run)
+      : off_(start_error(scenario)),
+        mechanism_(scenario.mechanism),
+        tolerances_{tight_run, loose_run},
+        equations_(scenario),
+        tight_(equations_, scenario, tight_run),
+        loose_(equations_, scenario, loose_run),
+        uncertainty_(equations_, mechanism_, tight_run, off_) {}
+
+  TreeRows rows() const { return {equations_, mechanism_}; }
+  TreeMotion& tight() { return tight_; }
+  double end() const { return tight_.end(); }
+
+  void advance() {
+    tight_.advance();
+    uncertainty_.follow(tight_, loose_);
+    if (!tight_.change()) return;
+    const std::vector<StopStrike> strikes = strikes_at(equations_, *tight_.change());
+    strikes_.insert(strikes_.end(), strikes.begin(), strikes.end());
+  }
+
+  Reference finish(TreeRows& rows, double end_s) {
+    uncertainty_.finish(tight_, loose_);
+    std::vector<StopStrike> strikes = strikes_;
+    std::erase_if(strikes, [&](const StopStrike& strike) { return strike.t > end_s; });
+    return rows.finished(uncertainty_, std::move(strikes), tolerances_[0], tolerances_[1]);
+  }
+
+ private:
+  double off_;
+  Mechanism mechanism_;
+  std::array<Tolerances, 2> tolerances_;
+  TreeEquations equations_;
+  TreeMotion tight_;
+  TreeMotion loose_;
+  TreeUncertainty uncertainty_;
+  std::vector<StopStrike> strikes_;
+};
+
+/// All pieces of the tight run until the latest row that was asked for.
+class TreeTrack {
+ public:
+  explicit TreeTrack(const Scenario& scenario)
+      : runs_(scenario, tight_tolerances, loose_tolerances), pieces_{runs_.tight().piece()} {}
+
+  Reference at(const SampleGrid& grid) {
+    const double end = grid.time(grid.rows - 1);
+    while (runs_.end() < end) {
+      runs_.advance();
+      pieces_.push_back(runs_.tight().piece());
+    }
+    TreeRows rows = runs_.rows();
+    auto piece = pieces_.begin();
+    for (long row = 0; row < grid.rows; ++row) {
+      const double t = grid.time(row);
+      while (piece->end_s < t) ++piece;
+      rows.add(t, piece->at(t).data(), piece->grips);
+    }
+    return runs_.finish(rows, end);
+  }
+
+ private:
+  TreeRuns runs_;
+  std::vector<TreePiece> pieces_;
+};
+
 }  // namespace
 
 bool is_tree(const Scenario& scenario) {
@@ -106,37 +211,18 @@ Reference solve_tree(const Scenario& scenario, const SampleGrid& grid) {
 }
 
 Reference solve_tree(const Scenario& scenario, const SampleGrid& grid, Tolerances tight_run, Tolerances loose_run) {
-  const Mechanism& mechanism = scenario.mechanism;
-  const double off = start_error(scenario);
-  const TreeEquations equations(scenario);
-  TreeMotion tight(equations, scenario, tight_run);
-  TreeMotion loose(equations, scenario, loose_run);
-  TreeUncertainty uncertainty(equations, mechanism, tight_run, off);
-  Motion now({.bodies = mechanism.bodies.size(), .joints = mechanism.joints.size()}, 1);
-  Reference reference;
-  const double end = grid.time(grid.rows - 1);
+  TreeRuns runs(scenario, tight_run, loose_run);
+  TreeRows rows = runs.rows();
   for (long row = 0; row < grid.rows; ++row) {
     const double t = grid.time(row);
-    while (tight.end() < t) {
-      tight.advance();
-      uncertainty.follow(tight, loose);
-      if (!tight.change() || tight.change()->t > end) continue;
-      const std::vector<StopStrike> strikes = strikes_at(equations, *tight.change());
-      reference.strikes.insert(reference.strikes.end(), strikes.begin(), strikes.end());
-    }
-    const double* const y = tight.at(t).data();
-    equations.show(y, now[0].bodies);
-    equations.forces(t, y, tight.grips(), now[0].joints);
-    append_row(reference, mechanism, t, now[0]);
+    while (runs.end() < t) runs.advance();
+    rows.add(t, runs.tight().at(t).data(), runs.tight().grips());
   }
-  uncertainty.finish(tight, loose);
-  for (const double t : reference.trace.t) append_uncertainty(reference, uncertainty.at(t));
-  if (equations.forces_are_known()) tell_joint_forces(reference, mechanism);
-  const std::string loops =
-      equations.loops() > 0 ? fmt::format(" with {} loop{}", equations.loops(), equations.loops() == 1 ? "" : "s") : "";
-  reference.origin =
-      fmt::format("equations of a tree{} by {}, {}", loops, equations.version(), origin_of(tight_run, loose_run));
-  return reference;
+  return runs.finish(rows, grid.time(grid.rows - 1));
+}
+
+std::function<Reference(const SampleGrid&)> follow_tree(const Scenario& scenario) {
+  return [track = std::make_shared<TreeTrack>(scenario)](const SampleGrid& grid) { return track->at(grid); };
 }
 
 std::unique_ptr<Simulation> make_mechanism_cvode(const Scenario& scenario, const SampleGrid& grid) {

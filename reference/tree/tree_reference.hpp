@@ -1,6 +1,7 @@
 #pragma once
 // Trees of bodies, on any joints, and loops that these close, in generalized coordinates: the reference, and method
 // mechanism-cvode.
+#include <functional>
 #include <memory>
 
 #include "odeval/engine.hpp"
@@ -22,6 +23,8 @@ bool is_tree(const Scenario& scenario);
 Reference solve_tree(const Scenario& scenario, const SampleGrid& grid);
 /// The same at tolerances of choice: for tests, which see the bound at work where rounding does not hide it.
 Reference solve_tree(const Scenario& scenario, const SampleGrid& grid, Tolerances tight, Tolerances loose);
+/// The same for rows at any times, all of one integration, which goes as far as the latest asks.
+std::function<Reference(const SampleGrid&)> follow_tree(const Scenario& scenario);
 /// The same as a method: samples of bodies and joints. Takes chains in a plane as well.
 std::unique_ptr<Simulation> make_mechanism_cvode(const Scenario& scenario, const SampleGrid& grid);
 

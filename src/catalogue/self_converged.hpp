@@ -2,6 +2,7 @@
 // The reference where nobody else knows the motion: what ODE itself tends to as its step goes to 0.
 #include <string_view>
 
+#include "odeval/origin.hpp"
 #include "odeval/reference.hpp"
 #include "odeval/scenario.hpp"
 
@@ -15,9 +16,6 @@ bool can_self_converge(const Scenario& scenario);
 /// with the spread of the extrapolations until then as the uncertainty. ERP and CFM stay the spring and damper that
 /// they are at h, or as the scenario asks for it their numbers. Throws UserError when a run blows up.
 Reference self_converged(const Scenario& scenario, const SampleGrid& grid);
-
-/// What the origin of such a reference begins with.
-inline constexpr std::string_view self_converged_origin = "self-converged";
 
 /// "self-converged" of such a reference, for tables of numbers that are measured against it; empty of others.
 std::string_view mark_of(const Reference& reference);

@@ -226,8 +226,9 @@ std::shared_ptr<const Reference> SettingsSearch::reference_for(const Scenario& s
     rows_kept_ = 0;
   }
   rows_kept_ += grid.rows;
-  return references_[times] =
-             std::make_shared<const Reference>(reference::provider_for(scenario).solve(scenario, grid));
+  if (!follow_) follow_ = reference::follow(scenario_);
+  Reference reference = *follow_ ? (*follow_)(grid) : reference::provider_for(scenario).solve(scenario, grid);
+  return references_[times] = std::make_shared<const Reference>(std::move(reference));
 }
 
 Tried MethodSearch::run(const std::vector<Change>& changes, double setting, bool every_step) {

@@ -2,8 +2,10 @@
 // The cheapest settings of a method that keep a budget: its step or tolerance, and of an ODE method whatever else it
 // reads that is worth a trial.
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -52,6 +54,8 @@ class SettingsSearch {
   Budget budget_;
   Scenario scenario_;
 
+  // The true motion at any times; nothing: not looked for yet, empty: solved for each grid.
+  std::optional<std::function<Reference(const SampleGrid&)>> follow_;
   using Times = std::tuple<double, long, long>;  // step, stride, rows
   std::map<Times, std::shared_ptr<const Reference>> references_;
   long rows_kept_ = 0;  // of them

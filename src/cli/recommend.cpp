@@ -114,7 +114,7 @@ void require_known(const std::vector<const TargetFlag*>& asked, const Scenario& 
                    const std::vector<const catalogue::Method*>& methods) {
   catalogue::Evaluator evaluator(catalogue::with_enough_rows(scenario));
   if (!catalogue::mark_of(evaluator.reference()).empty()) {
-    throw UserError(scenario.file + ": the reference is " + std::string(catalogue::self_converged_origin) +
+    throw UserError(scenario.file + ": the reference is " + std::string(self_converged_origin) +
                     ", ODE's own limit, which is another motion at another step and ERP: nothing can be recommended by "
                     "it; 'odeval sweep' tells the error of each run against its own");
   }

@@ -276,8 +276,8 @@ std::string front_table(const Journal& journal, const Answer& answer, const std:
     const std::vector<std::string> values = grid.values(point.run);
     std::vector<std::string> cells{three_digits(1e3 * point.cost),
                                    with_uncertainty(answer.error.value(row), answer.error.uncertainty(row))};
-    if (row.reason.starts_with(catalogue::self_converged_origin)) {
-      cells.back() += ' ' + std::string(catalogue::self_converged_origin);
+    if (row.reason.starts_with(self_converged_origin)) {
+      cells.back() += ' ' + std::string(self_converged_origin);
     }
     cells.insert(cells.end(), values.begin(), values.end());
     cells.push_back(number_text(number_in(row.cells, 0)));

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "odeval/error.hpp"
+#include "odeval/origin.hpp"
 #include "output/comparison_rules.hpp"
 #include "output/file.hpp"
 
@@ -56,10 +57,13 @@ class Folder {
 
   /// Of the summary beside a trace.
   Uncertainty uncertainty(const Place& place) const {
-    const std::string beside = place.scenario + "/" + place.method + ".json";
-    if (!has(beside)) return Uncertainty(nullptr);
-    const Json summary = json(beside);
-    return Uncertainty(&summary);
+    const Json summary = summary_beside(place);
+    return Uncertainty(summary.is_object() ? &summary : nullptr);
+  }
+  /// Whether what a summary or a trace is measured against is ODE's own limit.
+  bool self_converged(const Place& place) const {
+    const Json summary = summary_beside(place);
+    return summary.contains("reference") && shown_json(&summary["reference"]).starts_with(self_converged_origin);
   }
 
   /// What made the results, by name. Several values where runs of several builds lie together.
@@ -77,6 +81,12 @@ class Folder {
   }
 
  private:
+  /// null: there is none
+  Json summary_beside(const Place& place) const {
+    const std::string beside = place.scenario + "/" + place.method + ".json";
+    return has(beside) ? json(beside) : Json();
+  }
+
   fs::path root_;
   std::set<std::string> files_;
 };
@@ -123,6 +133,10 @@ FileComparison compare_files(const std::string& name, const Folder& a, const Fol
         file.differences.push_back({place.scenario, place.method, "bytes", std::to_string(text_a.size()),
                                     std::to_string(text_b.size()), "equal"});
         file.why = "other bytes";
+    }
+    const bool has_errors = place.kind == Kind::summary || place.kind == Kind::trace;
+    if (has_errors && (a.self_converged(place) || b.self_converged(place))) {
+      file.why += "; its reference is " + std::string(self_converged_origin);
     }
   } catch (const UserError& error) {
     file.differences.push_back({place.scenario, place.method, "file", "unreadable", error.what(), ""});

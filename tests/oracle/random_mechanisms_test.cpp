@@ -1,12 +1,14 @@
 // Random trees and loops of bodies in the reference, beside ODE and the accurate step, which know nothing of
 // generalized coordinates: that what ODE was given is what the reference solves.
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "catalogue/accurate_method.hpp"
 #include "catalogue/confirmation.hpp"
 #include "reference/tree/tree_reference.hpp"
+#include "tests/check.hpp"
 #include "tests/oracle/beside_reference.hpp"
 #include "tests/random_mechanisms.hpp"
 
@@ -109,14 +111,12 @@ Scenario loaded_tree(unsigned seed, std::size_t kinds) {
   return scenario;
 }
 
-Scenario loops(unsigned seed, std::size_t kinds) {
+/// None where nothing can be closed: three bodies have few freedoms to spare.
+std::optional<Scenario> loops(unsigned seed, std::size_t kinds) {
   Scenario scenario = grown(seed, 3 + seed % 10, kinds);
   lay_in_plane(scenario);
-  close_loops(scenario, seed, kinds);
+  if (!close_loops(scenario, seed, kinds)) return std::nullopt;
   load(scenario, seed);
-  // Loops that are near to holding something twice are at odds with themselves by the error of their joints: ODE
-  // answers with that over its CFM, which at 1e-10 is of third order in the step and hides the first.
-  scenario.ode.cfm = 1e-8;
   scenario.name = "loops" + std::to_string(seed) + " of " + std::to_string(kinds) + " kinds";
   return scenario;
 }
@@ -130,6 +130,50 @@ void all_and_those_that_converge(const std::function<Scenario(std::size_t)>& wit
   agreed(all, reference);
   const Scenario twin = with(kinds_that_converge);
   first_order_of_ode(twin, solved(twin));
+}
+
+/// rad/s, of any body in a run of ODE.
+double fastest_spin(const Scenario& scenario) {
+  constexpr double h = 1e-3;
+  Scenario run = scenario;
+  run.step_s = h;
+  const Recorded made = recorded(world_step(), run, {h, 1, std::lround(scenario.duration_s / h) + 1});
+  double most = 0;
+  for (std::size_t k = 0; k < made.motion.size(); ++k) {
+    for (const BodyState& body : made.motion[k].bodies) most = std::fmax(most, length(body.spin));
+  }
+  return most;
+}
+
+/// Why a random mechanism says nothing about orders, empty: it does. Bodies start at a few rad/s. One that comes to ten
+/// times that carries others through a pose in which its joints hardly tell them apart, as a gimbal's that lock: the
+/// less it misses the pose by, the faster it whirls, and errors have their order at the smaller steps. In loops 7 a
+/// universal joint's body goes from 15 to 61 rad/s and back in 20 ms; until then errors have their order, after it
+/// they do not down to a step of 12.5 us.
+std::string unfit(const std::optional<Scenario>& scenario) {
+  constexpr double whirls_rad_s = 20;
+  if (!scenario) return "no joint closes a loop and leaves two freedoms";
+  const double spin = fastest_spin(*scenario);
+  return spin < whirls_rad_s
+             ? ""
+             : scenario->name + " come near a singular pose: a body whirls at " + std::to_string(spin) + " rad/s";
+}
+
+/// Of the first seeds that are fit.
+void ten_loops() {
+  int done = 0;
+  for (unsigned seed = 1; done < 10 && seed <= 15; ++seed) {
+    const auto with = [seed](std::size_t kinds) { return loops(seed, kinds); };
+    std::string why_not = unfit(with(all_kinds));
+    if (why_not.empty()) why_not = unfit(with(kinds_that_converge));
+    if (!why_not.empty()) {
+      std::printf("seed %u is passed over: %s\n", seed, why_not.c_str());
+      continue;
+    }
+    all_and_those_that_converge([&](std::size_t kinds) { return *with(kinds); });
+    ++done;
+  }
+  CHECK_EQUAL(done, 10);
 }
 
 // Motors that reach and leave their limits, and stops that are struck, at speeds and ways that these trees come to.
@@ -174,8 +218,7 @@ int main(int argc, char** argv) {
   each("plain", 5, plain_tree);
   each("trees", 30,
        [](unsigned seed) { all_and_those_that_converge([&](std::size_t kinds) { return loaded_tree(seed, kinds); }); });
-  each("loops", 6,
-       [](unsigned seed) { all_and_those_that_converge([&](std::size_t kinds) { return loops(seed, kinds); }); });
+  each("loops", 1, [](unsigned) { ten_loops(); });
   each("driven", 12, driven_tree);
   return test::verdict();
 }
