@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "catalogue/evaluation.hpp"
+#include "catalogue/keeping.hpp"
 
 namespace odeval::catalogue {
 
@@ -42,7 +43,7 @@ struct Trial {
   std::string suspect;   // what ODE itself said of the run; empty: nothing
 
   /// Of a run that is to be believed.
-  bool keeps(double max_error) const { return suspect.empty() && error + uncertainty <= max_error; }
+  bool keeps(double max_error) const { return suspect.empty() && catalogue::keeps(error, uncertainty, max_error); }
 };
 
 /// The cheapest setting found, or why there is none.

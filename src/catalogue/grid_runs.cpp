@@ -37,9 +37,9 @@ bool same_times(const SampleGrid& a, const SampleGrid& b) {
 
 }  // namespace
 
-Scenario with_enough_rows(Scenario scenario) {
+Scenario with_enough_rows(Scenario scenario, long intervals) {
   const double steps = std::ceil(scenario.duration_s / scenario.step_s * (1 - 1e-12));
-  const double stride = std::ceil(steps / static_cast<double>(enough_rows));
+  const double stride = std::ceil(steps / static_cast<double>(intervals));
   if (stride > 1) scenario.sample_s = stride * scenario.step_s;
   return scenario;
 }

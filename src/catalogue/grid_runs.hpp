@@ -16,7 +16,7 @@ namespace odeval::catalogue {
 inline constexpr long enough_rows = 10'000;
 
 /// The same with a `sample` of at most so many intervals, where every step would be more.
-Scenario with_enough_rows(Scenario scenario);
+Scenario with_enough_rows(Scenario scenario, long intervals = enough_rows);
 
 class GridRuns {
  public:

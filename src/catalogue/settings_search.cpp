@@ -11,6 +11,7 @@
 #include "catalogue/accuracy.hpp"
 #include "catalogue/engine_settings.hpp"
 #include "catalogue/grid_runs.hpp"
+#include "catalogue/keeping.hpp"
 #include "catalogue/searched_settings.hpp"
 #include "odeval/error.hpp"
 #include "output/number.hpp"
@@ -27,11 +28,11 @@ constexpr double longest_step_s = 1;  // that a scenario may have
 constexpr long fewest_steps = 4;      // of a run
 constexpr std::size_t rtols_a_decade = 16;
 constexpr double loosest_rtol = 1e-2;
-constexpr double tightest_rtol = 3e-15;                       // below it rounding alone is larger
-constexpr std::array neighbours{1.01, 1.0025, 0.9975, 0.99};  // times the step
+constexpr double tightest_rtol = 3e-15;       // below it rounding alone is larger
+constexpr long rows_of_a_trial = 2'000;       // at most: the answer's own run has every step
 constexpr std::size_t most_unsteady = 40;     // finer steps that are tried in the place of an unsteady one
 constexpr long most_steps_apart = 100'000;    // of runs with other settings, where the scenario's own keep no budget
-constexpr int most_runs = 20;                 // of the most steps, for all that is tried of a method
+constexpr int most_runs = 10;                 // of the most steps, for all that is tried of a method
 constexpr double worth_a_change = 1.03;       // what costs less to leave as it was is left
 constexpr double farthest_back = 32;          // times the steps, with one change taken back
 constexpr int most_stalled = 3;               // times that a finer setting was no better, one after the other
@@ -92,7 +93,8 @@ struct Tried {
   double setting = 0;
   std::vector<Reached> reached;
   long steps = 0;
-  std::string why_not;  // what is wrong with the run but its errors
+  bool impacts = false;  // something hit something in it
+  std::string why_not;   // what is wrong with the run but its errors
 };
 
 struct Best {
@@ -147,7 +149,8 @@ class MethodSearch {
 
   Tried run(const std::vector<Change>& changes, double setting, bool every_step);
   double excess(const Tried& trial) const;
-  bool keeps(const Tried& trial) const { return trial.why_not.empty() && excess(trial) <= 1; }
+  bool keeps(const Tried& trial) const;
+  Tried coarsest_near(const std::vector<Change>& changes, std::size_t place);
   bool steady(const std::vector<Change>& changes, double setting);
 
   Best climb(const std::vector<Change>& changes, std::size_t end);
@@ -239,11 +242,12 @@ Tried MethodSearch::run(const std::vector<Change>& changes, double setting, bool
     Scenario scenario = search_.scenario(method_, changes, setting);
     const long steps = sample_grid(scenario).steps();
     steps_left_ -= steps;
-    if (!every_step) scenario = with_enough_rows(std::move(scenario));
+    if (!every_step) scenario = with_enough_rows(std::move(scenario), rows_of_a_trial);
     Evaluator evaluator(scenario, search_.reference_for(scenario));
     const Evaluation done = evaluator.evaluate(method_);
     const Metrics metrics = evaluator.measure(done, evaluator.grid().time(evaluator.grid().rows - 1));
     trial.steps = done.outcome.steps;
+    trial.impacts = !done.outcome.impacts.empty() || !done.outcome.strikes.empty();
     for (std::size_t i = 0; i < budget_.targets.size(); ++i) {
       const quantity::Id id = budget_.targets[i].id;
       trial.reached[i] = {metrics[id], uncertainty_of(id, metrics)};
@@ -259,6 +263,15 @@ Tried MethodSearch::run(const std::vector<Change>& changes, double setting, bool
   return trial;
 }
 
+bool MethodSearch::keeps(const Tried& trial) const {
+  if (!trial.why_not.empty()) return false;
+  for (std::size_t i = 0; i < budget_.targets.size(); ++i) {
+    const Reached& reached = trial.reached[i];
+    if (!catalogue::keeps(*reached.value, reached.uncertainty.value_or(0), budget_.targets[i].at_most)) return false;
+  }
+  return true;
+}
+
 /// How many times the budget: of the worst target.
 double MethodSearch::excess(const Tried& trial) const {
   double worst = 0;
@@ -269,9 +282,19 @@ double MethodSearch::excess(const Tried& trial) const {
   return worst;
 }
 
+/// The setting that a search tries at a place of the ladder: of those that have to keep the budget with it the
+/// coarsest, so that where errors grow with the step one run tells of all.
+Tried MethodSearch::coarsest_near(const std::vector<Change>& changes, std::size_t place) {
+  const double setting = ladder_.settings[place];
+  const double near = moved(setting, farthest_percent);
+  return run(changes, near > longest_step_s ? setting : near, false);
+}
+
 bool MethodSearch::steady(const std::vector<Change>& changes, double setting) {
-  return std::ranges::all_of(neighbours, [&](double factor) {
-    return setting * factor > longest_step_s || keeps(run(changes, setting * factor, false));
+  return kept_nearby(setting, [&](double near) {
+    if (near > longest_step_s) return Near{true, false};
+    const Tried trial = run(changes, near, false);
+    return Near{keeps(trial), trial.impacts};
   });
 }
 
@@ -280,23 +303,27 @@ bool MethodSearch::steady(const std::vector<Change>& changes, double setting) {
 Best MethodSearch::bisect(const std::vector<Change>& changes, long coarse, std::size_t fine, std::size_t end) {
   while (static_cast<long>(fine) - coarse > 1) {
     const auto middle = static_cast<std::size_t>((coarse + static_cast<long>(fine)) / 2);
-    if (keeps(run(changes, ladder_.settings[middle], false))) {
+    if (keeps(coarsest_near(changes, middle))) {
       fine = middle;
     } else {
       coarse = static_cast<long>(middle);
     }
   }
-  Best best{changes, fine, {}, false, "some steps keep it, a quarter of a percent away others do not"};
+  Best best{changes, fine, {}, false, "some steps keep it, others nearby do not"};
   for (std::size_t place = fine; place < std::min(end, fine + most_unsteady); ++place) {
     best.place = place;
-    best.trial = run(changes, ladder_.settings[place], true);
-    if (!keeps(best.trial)) continue;
-    if (knob_ == Knob::none || steady(changes, ladder_.settings[place])) {
-      best.kept = true;
-      best.why_not.clear();
-      break;
+    const double setting = ladder_.settings[place];
+    if (knob_ != Knob::none && !steady(changes, setting)) {
+      if (steps_left_ < 0) break;
+      continue;
     }
+    best.trial = run(changes, setting, true);
+    if (!keeps(best.trial)) continue;
+    best.kept = true;
+    best.why_not.clear();
+    return best;
   }
+  best.trial = coarsest_near(changes, best.place);
   return best;
 }
 
@@ -307,16 +334,19 @@ Best MethodSearch::climb(const std::vector<Change>& changes, std::size_t end) {
   int stalled = 0;
   long coarse = -1;
   for (std::size_t place = 0; place < end;) {
-    const Tried trial = run(changes, ladder_.settings[place], false);
-    if (keeps(trial)) return bisect(changes, coarse, place, end);
-    const double now = excess(trial);
-    stalled = now < least || least > far ? 0 : stalled + 1;
-    if (now < least || place == 0) {
-      nearest.place = place;
-      nearest.trial = trial;
+    const Tried trial = coarsest_near(changes, place);
+    if (keeps(trial)) {
+      Best found = bisect(changes, coarse, place, end);
+      if (found.kept) return found;
+      place = found.place;  // luck so far: on to finer ones
+      nearest = std::move(found);
+    } else {
+      const double now = excess(trial);
+      stalled = now < least || least > far ? 0 : stalled + 1;
+      if (now < least || place == 0) nearest = {changes, place, trial, false, ""};
+      least = std::min(least, now);
+      if (stalled == most_stalled) break;
     }
-    least = std::min(least, now);
-    if (stalled == most_stalled) break;
     coarse = static_cast<long>(place);
     const std::size_t next = ladder_.place_of(ladder_.settings[place] / ladder_.stride);
     if (next >= end && place + 1 < end) {
@@ -326,7 +356,7 @@ Best MethodSearch::climb(const std::vector<Change>& changes, std::size_t end) {
     }
     if (steps_left_ < 0) break;
   }
-  nearest.why_not = why_none(nearest.trial, stalled == most_stalled);
+  if (nearest.why_not.empty()) nearest.why_not = why_none(nearest.trial, stalled == most_stalled);
   return nearest;
 }
 
@@ -346,11 +376,11 @@ std::string MethodSearch::why_none(const Tried& nearest, bool stalled) const {
 
 /// From what is just before `end` to ever coarser ones, as long as they keep the budget.
 Best MethodSearch::descend(const std::vector<Change>& changes, std::size_t end) {
-  if (end == 0 || !keeps(run(changes, ladder_.settings[end - 1], false))) return {changes, 0, {}, false, ""};
+  if (end == 0 || !keeps(coarsest_near(changes, end - 1))) return {changes, 0, {}, false, ""};
   std::size_t fine = end - 1;
   for (std::size_t stride = 2; fine > 0; stride *= 2) {
     const std::size_t next = fine - std::min(stride, fine);
-    if (!keeps(run(changes, ladder_.settings[next], false))) {
+    if (!keeps(coarsest_near(changes, next))) {
       return bisect(changes, static_cast<long>(next), fine, end);
     }
     fine = next;
@@ -368,8 +398,8 @@ bool MethodSearch::improve(Best& best, const std::vector<Change>& changes) {
     if (nearer) best = std::move(found);
     return nearer;
   }
-  // As many steps as the best's cost buys.
-  const double dearer = cost_of_step(changes) / cost_of_step(best.changes);
+  // Fewer steps than the best's cost buys: what is worth less is left.
+  const double dearer = worth_a_change * cost_of_step(changes) / cost_of_step(best.changes);
   Best found = descend(changes, ladder_.place_of(ladder_.settings[best.place] * dearer));
   if (!found.kept) return false;
   best = std::move(found);
@@ -434,6 +464,8 @@ Recommended MethodSearch::cheapest() {
   if (best.kept) {
     drop_what_is_worth_little(best);
     tell_worth(best);
+  } else {
+    best.trial = run(best.changes, ladder_.settings[best.place], false);
   }
   Recommended run;
   run.method = method_.name;

@@ -21,7 +21,7 @@ namespace odeval::catalogue {
 struct Budget {
   std::vector<Target> targets;
   double until_s = 0;
-  long most_steps = 1'000'000;  // of one run; of all runs of a method twenty times as many
+  long most_steps = 1'000'000;  // of one run; of all runs of a method ten times as many
   bool settings_too = true;     // or else the step or the tolerance alone
 };
 
@@ -39,9 +39,8 @@ class SettingsSearch {
 
   /// The cheapest, without its CPU time and its command. Where nothing keeps the budget, what came nearest and why.
   ///
-  /// A step is taken that keeps the budget at every sample, and so do those a quarter and one percent smaller and
-  /// larger: where rounding decides, or a motion is nearly lost, one step of many may keep it by luck. Steps stand 2 %
-  /// apart; a larger one that keeps the budget again, beyond ones that do not, may stay unseen.
+  /// A step is taken that keeps the budget at every step of the run, and so do those nearby (keeping.hpp). Steps stand
+  /// 2 % apart; a larger one that keeps the budget again, beyond ones that do not, may stay unseen.
   Recommended cheapest(const Method& method);
 
  private:

@@ -41,7 +41,8 @@ struct Options {
 const Column& column_of(const CsvColumns& table, std::string_view name, const std::string& file) {
   const auto found = std::ranges::find(table.header, name);
   if (found == table.header.end()) {
-    throw UserError(fmt::format("{}: has no column '{}'{}", file, name, nearest_hint(name, table.header)));
+    throw UserError(fmt::format("{}: has no column '{}'{}; it has {}", file, name, nearest_hint(name, table.header),
+                                fmt::join(table.header, ", ")));
   }
   return table.columns[static_cast<std::size_t>(found - table.header.begin())];
 }

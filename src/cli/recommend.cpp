@@ -183,7 +183,8 @@ std::string command_of(const Recommended& run, const catalogue::Method& method, 
     command += setting.origin == "--set" ? " --set " + in_shell(setting.key + "=" + setting.value)
                                          : " " + setting.origin + " " + in_shell(setting.value);
   }
-  return command;
+  // A folder of its own: what proves one answer has other settings than what proves the next.
+  return command + " --out " + in_shell((std::filesystem::path(options.out) / "recommend" / run.method).string());
 }
 
 /// The searches, a method each, in worker processes. Returns the number of the signal that ended them early, or 0.
@@ -310,7 +311,7 @@ Action attach_recommend(Flags& flags) {
       .check(number_within(1e-3, 1e4));
   flags
       .add_option("--most-steps", options->most_steps,
-                  "that a run of the search may take; all runs of a method together twenty times as many")
+                  "that a run of the search may take; all runs of a method together ten times as many")
       .type_name("N")
       .check(whole_within(100, 100'000'000))
       .capture_default_str();

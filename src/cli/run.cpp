@@ -58,7 +58,15 @@ void draw(const std::vector<const catalogue::Method*>& methods, const Options& o
 void require_columns(const std::vector<std::string>& plot) {
   for (const std::string& panel : plot) {
     for (const std::string& name : columns_of(panel)) {
-      if (trace_column_of(name) == nullptr) throw UserError("--plot " + name + ": no trace has such a column");
+      if (trace_column_of(name) != nullptr) continue;
+      std::vector<std::string_view> kinds;
+      for (const TraceColumn& row : trace_columns) {
+        if (!row.name.empty() && std::ranges::find(kinds, row.name) == kinds.end()) kinds.push_back(row.name);
+      }
+      throw UserError(
+          fmt::format("--plot {}: no trace has such a column; there are {}, with a number (q1) or after a "
+                      "name (elbow.q) where there are several",
+                      name, fmt::join(kinds, ", ")));
     }
   }
 }

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 
+#include "catalogue/keeping.hpp"
 #include "catalogue/timing.hpp"
 #include "experiments/should_i_switch.hpp"
 #include "output/summary.hpp"
@@ -100,6 +101,9 @@ class Bench {
     return evaluator.measure(run, scenario_.duration_s);
   }
   double error(const Way& way, double setting) const { return error_of(metrics(way, setting)); }
+  bool keeps(const Metrics& metrics) const {
+    return catalogue::keeps(error_of(metrics), uncertainty_of(stage_.quantity, metrics).value_or(0), stage_.budget);
+  }
   double error_of(const Metrics& metrics) const { return metrics[stage_.quantity].value_or(INFINITY); }
 
   /// The coarsest setting that keeps the budget where the next finer one keeps it too: no luck.
@@ -108,9 +112,10 @@ class Bench {
         way.method->order == 0 ? std::span<const double>(rtols) : std::span<const double>(steps_s);
     bool kept_before = false;
     for (const double setting : ladder) {
-      const double error = this->error(way, setting);
-      if (kept_before && error <= stage_.budget) return;
-      kept_before = error <= stage_.budget;
+      const Metrics metrics = this->metrics(way, setting);
+      const double error = error_of(metrics);
+      if (kept_before && keeps(metrics)) return;
+      kept_before = keeps(metrics);
       tried.keeps = kept_before;
       tried.setting = setting;
       tried.error = error;
