@@ -308,6 +308,13 @@ void add_findings(const Task& task, const Answered& all, double duration_s, Find
                                              best.kept.ode.start == Start::half_step ? 1 : 0));
   found(best, "ERP of ODE's best settings: ", "_erp", best.kept.ode.erp);
   found(all.plain, "step of ODE's defaults: ", "_default_step", 1e3 * all.plain.kept.step_s);
+  findings.add(name + "_keeps", measured("whether any settings of ODE keep it: " + task_text, "", best.kept.keeps));
+  findings.add(name + "_default_keeps",
+               measured("whether ODE's defaults keep it: " + task_text, "", all.plain.kept.keeps));
+  const std::string gain = "step of ODE's best settings over that of its defaults: " + task_text;
+  findings.add(name + "_gain", best.kept.keeps && all.plain.kept.keeps
+                                   ? measured(gain, "", best.kept.step_s / all.plain.kept.step_s)
+                                   : unavailable(gain, "", never));
 }
 
 std::vector<report::Cell> row_of(const Task& task, const Bench& bench, const Answered& all) {
@@ -359,8 +366,8 @@ report::Exhibit plain_arm(Laboratory& laboratory, Findings& findings) {
   catalogue::Evaluator& pendulum = laboratory.evaluator("double_pendulum");
   const Scenario& scenario = pendulum.scenario();
   const catalogue::Evaluation run = pendulum.evaluate(*available(direct), defaults(scenario));
-  const double lost_at =
-      pendulum.measure(run, scenario.duration_s)[quantity::divergence_time].value_or(scenario.duration_s);
+  const std::optional<double> lost_at = pendulum.measure(run, scenario.duration_s)[quantity::divergence_time];
+  const double same_until = lost_at.value_or(scenario.duration_s);
   const std::string about = fmt::format(", double pendulum with ODE's defaults, h = {} s", shown(scenario.step_s));
   const std::string until = fmt::format(" until {} s", shown(early_s));
   findings.add("answer.step", measured("step of the first sentence", "ms", 1e3 * scenario.step_s));
@@ -368,10 +375,16 @@ report::Exhibit plain_arm(Laboratory& laboratory, Findings& findings) {
   findings.add("answer.error",
                measured("angle error of dWorldStep" + until + about, "mrad", 1e3 * error_until(pendulum, run, early_s),
                         1e3 * uncertainty_until(pendulum, run, early_s)));
-  findings.add("answer.lost_at", measured("when dWorldStep's motion is another one" + about, "s", lost_at));
+  const std::string when = "when dWorldStep's motion is another one" + about;
+  findings.add("answer.until", measured("end of that motion", "s", scenario.duration_s));
+  findings.add("answer.lost", measured("whether dWorldStep's motion becomes another one" + about, "", lost_at ? 1 : 0));
+  findings.add("answer.lost_at",
+               lost_at ? measured(when, "s", *lost_at) : unavailable(when, "s", "never until its end"));
+  const double drift_J = pendulum.measure(run, same_until)[quantity::max_energy_drift].value_or(NAN);
   findings.add("answer.energy_drift",
-               measured("energy drift of dWorldStep until it is another motion" + about, "J",
-                        pendulum.measure(run, lost_at)[quantity::max_energy_drift].value_or(NAN)));
+               measured("energy drift of dWorldStep until it is another motion" + about, "J", drift_J));
+  findings.add("answer.energy_share", measured("that drift over the largest kinetic energy" + about, "",
+                                               drift_J / std::ranges::max(pendulum.reference().trace.kinetic)));
   const std::string ratio = "angle error in single over that in double precision" + until + about;
   if (const catalogue::Method* const single = available("ode-step-single")) {
     const catalogue::Evaluation rough = pendulum.evaluate(*single, defaults(scenario, true));
@@ -381,7 +394,7 @@ report::Exhibit plain_arm(Laboratory& laboratory, Findings& findings) {
   } else {
     findings.add("answer.single_ratio", unavailable(ratio, "", std::string(catalogue::without_single_precision)));
   }
-  return film(pendulum, run, lost_at + film_goes_on_s);
+  return film(pendulum, run, same_until + film_goes_on_s);
 }
 
 /// Of a whole motion.
@@ -415,6 +428,8 @@ void plain_impact(Laboratory& laboratory, Findings& findings) {
        quantity::impact_uncertainty);
   most("answer.impact_angle", "mrad", 1e3, "largest angle error", quantity::max_error_q,
        quantity::reference_uncertainty);
+  most("answer.impact_steps", "", 1 / scenario.step_s, "largest error of an impact's time, in steps",
+       quantity::max_impact_error, quantity::impact_uncertainty);
   findings.add("answer.wall_step", measured("step of the sentence on impacts", "ms", 1e3 * scenario.step_s));
   findings.add("answer.wall_until", measured("end of the sentence on impacts", "s", scenario.duration_s));
 }

@@ -99,8 +99,10 @@ Content sensitivity(Laboratory& laboratory, Findings& findings) {
                measured(fmt::format("first time at which {} rad more in q1 and q2 at the start move q2 by {} rad",
                                     delta_rad, parted_rad),
                         "s", pair.parts_at, evaluator.grid().step_s)));
-  findings.add("C10.growth_at_6s",
-               measured("growth of the worst small error of the start until 6 s (largest singular value)", "", growth));
+  findings.add(
+      "C10.growth_at_6s",
+      measured(fmt::format("growth of the worst small error of the start until {} s (largest singular value)", look_s),
+               "", growth));
 
   Content content;
   content.values = {{"delta", delta_rad}, {"growth", shown(growth)}, {"until", look_s}};

@@ -67,43 +67,55 @@ Scenario four_bar(double middle_m) {
 
 }  // namespace
 
-// clang-format off
+namespace {
+
+/// A scenario's file until a time.
+Stage from_file(std::string label, std::string name, double until_s, quantity::Id quantity, double budget) {
+  const auto of = [name = std::move(name), until_s](Laboratory& l) { return until(l.scenario(name), until_s); };
+  return {fmt::format("{}, {} s", label, shown(until_s)), of, quantity, budget};
+}
+Stage links(std::size_t n) {
+  constexpr double until_s = 0.5;
+  return {fmt::format("{} links, {} s", n, shown(until_s)),
+          [n](Laboratory& l) { return chain_of(l.scenario("chain"), n, until_s); }, quantity::max_error_q, 1e-2};
+}
+Stage slide_at(double direction_deg) {
+  return {fmt::format("at {} degrees to an axis", shown(direction_deg)),
+          [=](Laboratory& l) { return slide(l, direction_deg); }, quantity::max_error_position, 1e-2};
+}
+Stage rest_at(double part) {
+  return {part > 0 ? fmt::format("a box on a slope of {} of the angle of friction", shown(part)) : "a box on the level",
+          [=](Laboratory& l) { return box_at_rest(l, part); }, quantity::max_error_position, 1e-3};
+}
+
+}  // namespace
+
 std::span<const Task> tasks() {
-  using L = Laboratory;
+  const auto bars = [](double middle_m) { return [=](Laboratory&) { return four_bar(middle_m); }; };
   static const std::array all{
-      Task{"joints", "arms that move freely",
-           {{"double pendulum, 1 s", [](L& l) { return until(l.scenario("double_pendulum"), 1); }, quantity::max_error_q, 1e-3},
-            {"arm of three links, 0.5 s", [](L& l) { return until(l.scenario("three_link_arm"), 0.5); }, quantity::max_error_turn, 1e-3},
-            {"falling PUMA 560, 0.5 s", [](L& l) { return until(l.scenario("puma560_falling"), 0.5); }, quantity::max_error_turn, 1e-3}},
+      Task{"joints",
+           "arms that move freely",
+           {from_file("double pendulum", "double_pendulum", 1, quantity::max_error_q, 1e-3),
+            from_file("arm with a turntable", "three_link_arm", 0.5, quantity::max_error_turn, 1e-3),
+            from_file("falling PUMA", "puma560_falling", 0.5, quantity::max_error_turn, 1e-3)},
            "switch"},
-      Task{"chains", "long chains",
-           {{"8 links, 0.5 s", [](L& l) { return chain_of(l.scenario("chain"), 8, 0.5); }, quantity::max_error_q, 1e-2},
-            {"16 links, 0.5 s", [](L& l) { return chain_of(l.scenario("chain"), 16, 0.5); }, quantity::max_error_q, 1e-2},
-            {"32 links, 0.5 s", [](L& l) { return chain_of(l.scenario("chain"), 32, 0.5); }, quantity::max_error_q, 1e-2}},
-           "chain"},
-      Task{"loops", "loops of joints",
-           {{"four bars, short", [](L&) { return four_bar(0.6); }, quantity::max_error_turn, 1e-2},
-            {"four bars, long", [](L&) { return four_bar(0.8); }, quantity::max_error_turn, 1e-2},
-            {"Bricard's mechanism, 0.6 s", [](L& l) { return until(l.scenario("iftomm_bricard"), 0.6); }, quantity::max_error_turn, 1e-2}},
+      Task{"chains", "long chains", {links(8), links(16), links(32)}, "chain"},
+      Task{"loops",
+           "loops of joints",
+           {{"a closed loop of bars, short", bars(0.6), quantity::max_error_turn, 1e-2},
+            {"a closed loop of bars, long", bars(0.8), quantity::max_error_turn, 1e-2},
+            from_file("Bricard's mechanism", "iftomm_bricard", 0.6, quantity::max_error_turn, 1e-2)},
            "switch"},
-      Task{"impacts", "impacts",
-           {{"a ball, 1.2 s", [](L& l) { return until(l.scenario("bouncing_ball"), 1.2); }, quantity::max_error_position, 2e-2},
-            {"a link on a wall, 1 s", [](L& l) { return until(l.scenario("wall_pendulum"), 1); }, quantity::max_error_q, 1e-2},
-            {"Newton's cradle, 1 s", [](L& l) { return until(l.scenario("newtons_cradle"), 1); }, quantity::max_error_position, 1e-2}},
+      Task{"impacts",
+           "impacts",
+           {from_file("a ball", "bouncing_ball", 1.2, quantity::max_error_position, 2e-2),
+            from_file("a link on a wall", "wall_pendulum", 1, quantity::max_error_q, 1e-2),
+            from_file("Newton's cradle", "newtons_cradle", 1, quantity::max_error_position, 1e-2)},
            "wall-pendulum"},
-      Task{"friction", "sliding friction",
-           {{"along an axis", [](L& l) { return slide(l, 0); }, quantity::max_error_position, 1e-2},
-            {"at 22.5 degrees", [](L& l) { return slide(l, 22.5); }, quantity::max_error_position, 1e-2},
-            {"at 45 degrees", [](L& l) { return slide(l, 45); }, quantity::max_error_position, 1e-2}},
-           "friction"},
-      Task{"rest", "standing still",
-           {{"a box on the level", [](L& l) { return box_at_rest(l, 0); }, quantity::max_error_position, 1e-3},
-            {"a box on a slope of half the angle of friction", [](L& l) { return box_at_rest(l, 0.5); }, quantity::max_error_position, 1e-3},
-            {"a box on a slope of 0.99 of it", [](L& l) { return box_at_rest(l, 0.99); }, quantity::max_error_position, 1e-3}},
-           "friction"}};
+      Task{"friction", "sliding friction", {slide_at(0), slide_at(22.5), slide_at(45)}, "friction"},
+      Task{"rest", "standing still", {rest_at(0), rest_at(0.5), rest_at(0.99)}, "friction"}};
   return all;
 }
-// clang-format on
 
 namespace {
 
@@ -179,10 +191,11 @@ Content should_i_switch(Laboratory& laboratory, Findings& findings) {
   report::Table at_error{.name = "switch-equal-error",
                          .columns = {"task", "motion", "method", "to keep", "setting", "error", "CPU time, µs a second",
                                      "CPU time of ODE as it is over that"}};
+  const std::string step = fmt::format("{} ms", shown(1e3 * equal_step_s));
   report::Table at_step{
       .name = "switch-equal-step",
-      .columns = {"task", "motion", "method", "unit", "error at 1 ms", "energy drift at 1 ms, J",
-                  "CPU time, µs a step of 1 ms", "step of ODE's CPU time, ms", "error at ODE's CPU time"}};
+      .columns = {"task", "motion", "method", "unit", "error at " + step, "energy drift at " + step + ", J",
+                  "CPU time, µs a step of " + step, "step of ODE's CPU time, ms", "error at ODE's CPU time"}};
   for (const Task& task : tasks()) {
     table.evidence.emplace_back(task.evidence);
     const std::string meaning = fmt::format("CPU time of ODE as it is over that of the advice, {}", task.text);

@@ -1,5 +1,6 @@
 #pragma once
 // "Should I switch?": ODE beside other engines, task by task: who moves what, until when, and what has to be kept.
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,8 +13,8 @@ namespace odeval::experiments::engines {
 
 /// A motion that a task is tried on.
 struct Stage {
-  std::string_view label;
-  Scenario (*of)(Laboratory& laboratory);
+  std::string label;
+  std::function<Scenario(Laboratory& laboratory)> of;
   quantity::Id quantity;  // that has to be kept
   double budget;          // in its unit
 };
@@ -29,6 +30,9 @@ std::span<const Task> tasks();
 
 /// What somebody may do who has ODE as it is.
 enum class Move { stay, change_a_setting, accurate_step, leave };
+
+/// Where methods are compared at equal step.
+inline constexpr double equal_step_s = 1e-3;
 
 /// A method with settings of its own.
 struct Way {

@@ -1,4 +1,6 @@
 // The runs behind "Should I switch?", and the rule.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,7 +17,11 @@ namespace {
 
 /// Rows of every run, which all steps of the ladder fit.
 constexpr double rows_s = 0.02;
-constexpr double equal_step_s = 1e-3;
+constexpr double plain_erp = 0.2;  // as ODE has it where nothing sets it, and its CFM
+constexpr double plain_cfm = 1e-10;
+constexpr double firm_erp = 0.8;
+constexpr double soft_cfm = 1e-5;
+constexpr int many_iterations = 100;
 constexpr std::array steps_s{0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002};
 /// Of an error this many times the budget at 1 ms no smaller step of the ladder makes one within it.
 constexpr double hopeless = 50;
@@ -24,16 +30,16 @@ constexpr int rounds = 3;
 
 void own(Scenario&) {}
 void ode_as_it_is(Scenario& scenario) {
-  scenario.ode.erp = 0.2;
-  scenario.ode.cfm = 1e-10;
+  scenario.ode.erp = plain_erp;
+  scenario.ode.cfm = plain_cfm;
 }
 void firm(Scenario& scenario) {
-  scenario.ode.erp = 0.8;
-  scenario.ode.cfm = 1e-10;
+  scenario.ode.erp = firm_erp;
+  scenario.ode.cfm = plain_cfm;
 }
 void soft(Scenario& scenario) {
-  scenario.ode.erp = 0.2;
-  scenario.ode.cfm = 1e-5;
+  scenario.ode.erp = plain_erp;
+  scenario.ode.cfm = soft_cfm;
 }
 void half_step(Scenario& scenario) {
   firm(scenario);
@@ -48,10 +54,10 @@ void stiff_cone(Scenario& scenario) {
   stiff(scenario);
   scenario.mujoco.elliptic = true;
 }
-void patient(Scenario& scenario) { scenario.bullet.iterations = 100; }
+void patient(Scenario& scenario) { scenario.bullet.iterations = many_iterations; }
 void patient_and_firm(Scenario& scenario) {
   patient(scenario);
-  scenario.bullet.erp = 0.8;
+  scenario.bullet.erp = firm_erp;
 }
 
 void patient_without_erp(Scenario& scenario) {
@@ -63,9 +69,9 @@ std::vector<Way> of_ode(const Scenario& scenario, const catalogue::Method& metho
   const bool rubs = catalogue::reads(method, "ode.friction_axes", scenario);
   const bool held = catalogue::reads(method, "ode.erp", scenario);
   std::vector<Way> ways{{&method, Move::stay, "", ode_as_it_is}};
-  if (held) ways.push_back({&method, Move::change_a_setting, "ERP 0.8", firm});
-  if (held) ways.push_back({&method, Move::change_a_setting, "CFM 1e-5", soft});
-  ways.push_back({&method, Move::change_a_setting, "half-step start and ERP 0.8", half_step});
+  if (held) ways.push_back({&method, Move::change_a_setting, fmt::format("ERP {}", firm_erp), firm});
+  if (held) ways.push_back({&method, Move::change_a_setting, fmt::format("CFM {}", soft_cfm), soft});
+  ways.push_back({&method, Move::change_a_setting, fmt::format("half-step start and ERP {}", firm_erp), half_step});
   if (rubs) ways.push_back({&method, Move::change_a_setting, "friction along the slide", along_sliding});
   ways.push_back({&quick, Move::change_a_setting, "dWorldQuickStep", ode_as_it_is});
   return ways;
@@ -169,10 +175,11 @@ std::vector<Way> ways(const Scenario& scenario) {
     if (catalogue::reads(method, "mujoco.cone", scenario)) {
       add(method, Move::leave, "stiff contacts, elliptic cone", stiff_cone);
     }
-    if (catalogue::reads(method, "bullet.iterations", scenario)) add(method, Move::leave, "100 iterations", patient);
+    const std::string iterations = fmt::format("{} iterations", many_iterations);
+    if (catalogue::reads(method, "bullet.iterations", scenario)) add(method, Move::leave, iterations, patient);
     if (catalogue::reads(method, "bullet.erp", scenario)) {
-      add(method, Move::leave, "100 iterations, ERP 0.8", patient_and_firm);
-      add(method, Move::leave, "100 iterations, ERP 0", patient_without_erp);
+      add(method, Move::leave, fmt::format("{}, ERP {}", iterations, firm_erp), patient_and_firm);
+      add(method, Move::leave, iterations + ", ERP 0", patient_without_erp);
     }
   }
   return all;

@@ -1,5 +1,7 @@
 #include "report/claims.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 
 namespace odeval::report {
@@ -80,9 +82,9 @@ constexpr std::array table{
     Claim{"C1", "§3.5.1, §5.1.3", "ODE's integration is first order in the step size.", c1_confirmed, c1_refuted,
           "Halving the step halves the error, and doubles the cost.", "order"},
     Claim{"C2", "§3.5.1", "QuickStep is a lot less accurate than the big-matrix step.", c2_confirmed, c2_refuted,
-          "What QuickStep loses depends on its iterations, not on its scheme.", "quickstep"},
+          "What QuickStep loses depends on its iterations, not on its scheme.", "quickstep", Verdict::confirmed_with_limits},
     Claim{"C3", "§3.5.2", "The error grows with the number of states, and Cartesian coordinates are worse conditioned than generalized ones.", c3_confirmed, c3_refuted,
-          "The system is worse conditioned and the motion better: what counts is the scheme, and in Cartesian coordinates the feedback that keeps the joints closed. Leave ERP on.", "coordinates"},
+          "The system is worse conditioned and the motion better: what counts is the scheme, and in Cartesian coordinates the feedback that keeps the joints closed. Leave ERP on.", "coordinates", Verdict::confirmed_with_limits},
     Claim{"C4", "§3.5.3", "In single precision, long thin bodies spin up about their long axis.", c4_confirmed, c4_refuted,
           "The inertia survives; it is ODE's gyroscopic term that loses the digits, long before the moments differ as much as the report thought. Use double precision, or leave the term out (dBodySetGyroscopicMode). A long body that does spin about its length loses that spin to the term, in double precision as well.", "thin-body"},
     Claim{"C5", "§3.4.1", "A positive CFM takes the system matrix away from singularity.", c5_confirmed, c5_refuted,
@@ -90,19 +92,19 @@ constexpr std::array table{
     Claim{"C6", "§3.4.2", "ERP = h kp / (h kp + kd) and CFM = 1 / (h kp + kd) make a joint a spring and damper.", c6_confirmed, c6_refuted,
           "Turn the stiffness and the damping that you want into ERP and CFM by these formulas, at your step, and again whenever the step changes: fixed numbers are a stiffer spring at a smaller step.", "spring-joint"},
     Claim{"C7", "§5.7.1", "ODE is marginally faster than hand-derived equations with ode45 and four times faster than Euler with the same steps; a toolbox costs a multiple.", c7_confirmed, c7_refuted,
-          "The times of 2010 compare interpreted with compiled code. Compare at equal error.", "table-5-2"},
+          "The times of 2010 compare interpreted with compiled code. Compare at equal error.", "table-5-2", Verdict::refuted},
     Claim{"C8a", "§5.7.2", "ODE's energy fluctuates with much larger amplitude than ode45's and Euler's.", c8a_confirmed, c8a_refuted,
-          "Read how far the energy gets from its start, not how restless it looks; and no drift of energy tells how wrong the angles are.", "energy"},
+          "Read how far the energy gets from its start, not how restless it looks; and no drift of energy tells how wrong the angles are.", "energy", Verdict::refuted},
     Claim{"C8b", "§5.7.2", "The reason is the feedback of joint errors (ERP).", c8b_confirmed, c8b_refuted,
-          "Feedback costs no energy worth the name; leaving it out does.", "energy-feedback"},
+          "Feedback costs no energy worth the name; leaving it out does.", "energy-feedback", Verdict::refuted},
     Claim{"C9", "§5.7.3", "ODE follows ode45 more closely than explicit Euler does, until just over 6 s.", c9_confirmed, c9_refuted,
-          "ode45 at its default tolerance is no truth to judge by: a tighter tolerance or a reference with a known error is.", "accuracy"},
+          "ode45 at its default tolerance is no truth to judge by: a tighter tolerance or a reference with a known error is.", "accuracy", Verdict::confirmed_with_limits},
     Claim{"C10", "§5.7.3", "The divergence after that is sensitivity to the initial state: an error of 0.006 separates q2 after just over 3 s.", c10_confirmed, c10_refuted,
           "Runs of such a mechanism part, whatever computes them. Judge settings before that, and a design by many runs from starts that differ a little.", "sensitivity"},
     Claim{"C11a", "§6.3", "ODE sees the wall about 10 steps late.", c11a_confirmed, c11a_refuted,
-          "Compute where the outlines touch before calling a contact late. A fixed step cannot see a touch to better than a step.", "contact-delay"},
+          "Compute where the outlines touch before calling a contact late. A fixed step cannot see a touch to better than a step.", "contact-delay", Verdict::refuted},
     Claim{"C11b", "§6.3", "The default ERP and CFM may be the cause of the late contact.", c11b_confirmed, c11b_refuted,
-          "Leave the feedback on: without it the hinge opens on the way, which makes the contact later still.", "contact-delay"},
+          "Leave the feedback on: without it the hinge opens on the way, which makes the contact later still.", "contact-delay", Verdict::refuted},
     Claim{"C12", "§3.5.5, §7", "A fixed-step solver of higher order (RK4) beside ODE's collision detection would cure the accuracy.", c12_confirmed, c12_refuted,
           "Where the motion counts, take the fourth-order step: odeval::accurate_step, one call in the place of dWorldStep, impacts, friction, motors and stops included. Contacts that crowd stay of first order.", "remedy"},
     Claim{"C13", "§5.6.3", "Recursive Newton-Euler from DH parameters gives results identical to the hand-derived equations.", c13_confirmed, c13_refuted,
@@ -112,11 +114,11 @@ constexpr std::array table{
     Claim{"C15", "§5.4", "A quaternion keeps an orientation cheaply and can be normalised; a rotation matrix drifts.", c15_confirmed, c15_refuted,
           "ODE keeps a normalised quaternion: its matrices stay rotations to the last digits.", "orientation"},
     Claim{"C16", "§5.3.4", "The feedback term -ks C - kd C' keeps the joints together.", c16_confirmed, c16_refuted,
-          "It keeps the joints closed, and costs a solver of higher order some accuracy of the angles.", "feedback-term"},
+          "It keeps the joints closed, and costs a solver of higher order some accuracy of the angles.", "feedback-term", Verdict::confirmed_with_limits},
     Claim{"C17", "§5.7.3", "A single pendulum would have been the more meaningful comparison.", c17_confirmed, c17_refuted,
           "Compare methods before a chaotic motion has multiplied their errors, or on a motion that is not chaotic: the end of a long run tells how unstable the motion is.", "single-pendulum"},
     Claim{"O1", "odeval", "The first-order part of ODE's error is a time shift of half a step; starting with the velocities of t = -h/2 takes it away for nothing.", o1_confirmed, o1_refuted,
-          "It costs one evaluation of the accelerations (--start half-step). Of a start at speed the error is more than a shift of time, and the half-step start takes it away all the same. From the first impact on it harms more often than it helps, and on a long chain it gains less than a larger ERP does.", "half-step"},
+          "It costs one evaluation of the accelerations (--start half-step). Of a start at speed the error is more than a shift of time, and the half-step start takes it away all the same. From the first impact on it harms more often than it helps, and on a long chain it gains less than a larger ERP does.", "half-step", Verdict::confirmed_with_limits},
     Claim{"O2", "odeval", "The default ERP of 0.2 is not the best: with the half-step start, 0.8 is several times better again.", o2_confirmed, o2_refuted,
           "With the usual start ERP hardly matters on a pendulum from the default up; with the half-step start it does.", "half-step-erp"},
     Claim{"O3", "odeval", "Energy alone never tells: from half-step velocities part of ODE's drift is gone while the motion stays the same.", o3_confirmed, o3_refuted,
@@ -127,5 +129,12 @@ constexpr std::array table{
 }  // namespace
 
 std::span<const Claim> claims() { return table; }
+
+std::string advice_of(const Judged& judged) {
+  const Claim& claim = *judged.claim;
+  if (judged.verdict == claim.advised_on) return std::string(claim.advice);
+  return fmt::format("Look at the evidence first: here it is {}. Advice for where it is {}: {}",
+                     verdict_text(judged.verdict), verdict_text(claim.advised_on), claim.advice);
+}
 
 }  // namespace odeval::report

@@ -23,6 +23,8 @@ struct Condition {
   double bound;
 };
 
+enum class Verdict { confirmed, refuted, confirmed_with_limits, not_settled, not_measured };
+
 /// Row of the one table of claims.
 struct Claim {
   std::string_view id;                      // "C8b"
@@ -30,8 +32,9 @@ struct Claim {
   std::string_view text;                    // the claim in our own words
   std::span<const Condition> confirmed_if;  // all of them
   std::span<const Condition> refuted_if;    // all of them
-  std::string_view advice;    // what somebody who uses ODE does with it, whatever the verdict; one or two sentences
-  std::string_view evidence;  // anchor of the section or figure that shows it
+  std::string_view advice;                  // what somebody who uses ODE does with it; one or two sentences
+  std::string_view evidence;                // anchor of the section or figure that shows it
+  Verdict advised_on = Verdict::confirmed;  // the verdict that the advice was written for
 };
 
 std::span<const Claim> claims();
@@ -39,8 +42,6 @@ std::span<const Claim> claims();
 /// Whether a condition holds; the empty optional says that its bound lies within the finding's uncertainty. The finding
 /// has a value.
 std::optional<bool> holds(const Condition& condition, const Finding& finding);
-
-enum class Verdict { confirmed, refuted, confirmed_with_limits, not_settled, not_measured };
 
 struct Judged {
   const Claim* claim;
@@ -56,6 +57,9 @@ struct Judged {
 /// not_settled            a condition holds at some of the settings beside those that were measured, and not at others
 /// not_measured           a finding that a condition names has no finite value
 Judged judge(const Claim& claim, const Findings& findings);
+
+/// The claim's advice; of another verdict than it was written for with that said.
+std::string advice_of(const Judged& judged);
 
 /// "confirmed with limits"
 std::string_view verdict_text(Verdict verdict);

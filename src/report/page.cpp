@@ -83,7 +83,7 @@ class Writer {
                      {"evidence", anchors_.has(claim.evidence) ? claim.evidence : ""},
                      {"rules", Items{{{"kind", "Confirmed"}, {"conditions", conditions(claim.confirmed_if)}},
                                      {{"kind", "Refuted"}, {"conditions", conditions(claim.refuted_if)}}}},
-                     {"advice", claim.advice}});
+                     {"advice", advice_of(judged)}});
       items.push_back(std::move(values));
     }
     return items;

@@ -396,6 +396,15 @@ void no_numbers_confirm_and_refute() {
   CHECK(contradicts_itself({"", "", "", at_least_one, at_most_two, "", ""}, {"x"}, 0, {}));
 }
 
+/// Advice that was written for one verdict does not stand unsaid beside another.
+void advice_goes_by_the_verdict() {
+  const Claim& claim = claims().front();
+  CHECK_EQUAL(report::advice_of({&claim, claim.advised_on, {}, ""}), std::string(claim.advice));
+  CHECK_EQUAL(
+      report::advice_of({&claim, Verdict::refuted, {}, ""}),
+      "Look at the evidence first: here it is refuted. Advice for where it is confirmed: " + std::string(claim.advice));
+}
+
 void the_table_is_whole() {
   const std::vector<std::string_view> wanted{"C1",  "C2",  "C3",  "C4",   "C5",   "C6",  "C7",  "C8a",
                                              "C8b", "C9",  "C10", "C11a", "C11b", "C12", "C13", "C14",
@@ -430,6 +439,7 @@ int main() {
   a_condition_holds_with_all_of_its_uncertainty();
   neighbouring_settings_count();
   no_numbers_confirm_and_refute();
+  advice_goes_by_the_verdict();
   the_table_is_whole();
   return odeval::test::verdict();
 }

@@ -35,7 +35,13 @@ Allowed allowed[] = {
     {"\\b(dh-|lagrange-)?ode45('s)?\\b", "a method's name"},
     {"\\bode[-_]rk4(-double)?\\b", "a method's name, and that of its folder"},
     {"\\bdContact(Approx1|FDir1)\\b", "names of ODE's interface"},
-    {"\\bq2\\b", "an angle's name, as the report has it"},
+    {"\\bq[12]\\b", "angles' names, as the report has them"},
+    {"D&amp;C _\\.\\d+", "the report's number", "page"},
+    {"to three digits", "how the page shows numbers", "page"},
+    {"the two runs", "one and the other that starts beside it", "sensitivity.cpp"},
+    {"\\bhalf width\\b", "of the interval of a fit", "half_step.cpp"},
+    {"to the third\\b", "of impacts, in their order", "half_step.cpp"},
+    {"ERP 0$", "no feedback", "should_i_switch_runs.cpp"},
     {"\\b[CO]\\d+[ab]?\\b", "claims' names"},
     {"\\b1-norm\\b", "a norm's name"},
     {"\\bA01\\b", "a problem's name in the IFToMM library", "iftomm"},
@@ -101,7 +107,11 @@ std::vector<Prose> all_prose() {
   for (const auto& entry : fs::directory_iterator(folder / "text")) {
     all.push_back({entry.path().stem().string(), words_of_template(whole(entry.path()))});
   }
-  for (const char* const file : {"answer.cpp", "highlights.cpp"}) {
+  // What says nothing by itself: a style, markup, and the names of values.
+  const fs::path layout = fs::path(ODEVAL_SOURCE_DIR) / "src" / "report" / "page.mustache";
+  all.push_back({"page", words_of_template(std::regex_replace(whole(layout), std::regex("<[^>]*>"), " "))});
+  for (const char* const file : {"answer.cpp", "highlights.cpp", "should_i_switch.cpp", "should_i_switch_runs.cpp",
+                                 "half_step.cpp", "sensitivity.cpp"}) {
     for (std::string& text : literals_of(whole(folder / file))) all.push_back({file, std::move(text)});
   }
   for (const odeval::report::Claim& claim : odeval::report::claims()) {

@@ -1,0 +1,110 @@
+// The sentences of the page's box: of what can be measured each says what holds, and one of each group is there.
+#include <map>
+#include <string>
+#include <vector>
+
+#include "experiments/highlights.hpp"
+#include "tests/check.hpp"
+
+namespace {
+
+using namespace odeval;
+
+/// What is measured today, or near it.
+const std::map<std::string, double> usual{{"answer.step", 1},
+                                          {"answer.error", 5},
+                                          {"answer.early", 1},
+                                          {"answer.lost", 1},
+                                          {"answer.lost_at", 6},
+                                          {"answer.until", 10},
+                                          {"answer.energy_drift", 0.1},
+                                          {"answer.energy_share", 0.01},
+                                          {"answer.arm_budget", 1},
+                                          {"answer.arm_until", 2},
+                                          {"answer.arm_step", 2},
+                                          {"answer.arm_erp", 1},
+                                          {"answer.arm_half_step", 1},
+                                          {"answer.arm_gain", 10},
+                                          {"answer.arm_keeps", 1},
+                                          {"answer.arm_default_keeps", 1},
+                                          {"answer.arm_default_step", 0.2},
+                                          {"answer.wall_step", 1},
+                                          {"answer.wall_until", 5},
+                                          {"answer.impact_error", 3},
+                                          {"answer.impact_angle", 20},
+                                          {"answer.impact_steps", 3},
+                                          {"C14.anisotropy", 0.4},
+                                          {"answer.single_ratio", 1},
+                                          {"C4.long_axis_spin_single", 3}};
+
+/// The box where some of it is measured otherwise.
+std::vector<std::string> box_with(const std::map<std::string, double>& otherwise) {
+  std::map<std::string, double> values = otherwise;
+  values.insert(usual.begin(), usual.end());
+  report::Findings findings;
+  for (const auto& [name, value] : values) findings.add(name, {name, "", value, 0, ""});
+  std::vector<report::Section> sections;
+  std::vector<std::string> sentences;
+  const std::vector<report::Section> front = experiments::front_of(sections, findings);
+  for (const report::Block& block : front.front().blocks) {
+    sentences.push_back(std::get<report::Text>(block).text);
+  }
+  return sentences;
+}
+
+bool says(const std::vector<std::string>& sentences, std::size_t place, const std::string& words) {
+  return place < sentences.size() && sentences[place].find(words) != std::string::npos;
+}
+
+struct Case {
+  std::map<std::string, double> otherwise;
+  std::size_t place;
+  std::string words;
+};
+
+const std::vector<Case> cases{
+    {{}, 0, "tells nothing of it"},
+    {{{"answer.energy_share", 0.5}}, 0, "drifts by 0.1 meanwhile, 50 %"},
+    {{{"answer.lost", 0}}, 0, "until 10 it stays the same motion"},
+    {{}, 1, "ERP 1 and the half-step start"},
+    {{{"answer.arm_half_step", 0}}, 1, "a step of 2 and ERP 1; with ODE's defaults a step of 0.2"},
+    {{{"answer.arm_gain", 1}}, 1, "no settings that were tried allow a much larger one"},
+    {{{"answer.impact_steps", 0.1}}, 2, "an impact is right to 3"},
+    {{}, 2, "too strong along the diagonal"},
+    {{{"C14.anisotropy", 0.01}}, 2, "the same in all directions"},
+    {{}, 3, "is safe for such an arm, where its error is 1 times that of double precision; not for long thin bodies"},
+    {{{"C4.long_axis_spin_single", 0}}, 3, "and for long thin bodies"},
+    {{{"answer.single_ratio", 2}}, 3, "Single precision is not safe"},
+};
+
+/// What has no number where ODE's settings keep nothing.
+void settings_that_keep_nothing() {
+  std::map<std::string, double> values = usual;
+  for (const char* const name : {"answer.arm_gain", "answer.arm_default_step"}) values.erase(name);
+  const auto arm = [](std::map<std::string, double> all) {
+    report::Findings findings;
+    for (const auto& [name, value] : all) findings.add(name, {name, "", value, 0, ""});
+    std::vector<report::Section> sections;
+    const auto front = experiments::front_of(sections, findings);
+    return std::get<report::Text>(front.front().blocks.at(1)).text;
+  };
+  values["answer.arm_default_keeps"] = 0;
+  CHECK(arm(values).find("with ODE's defaults no step that was tried is small enough") != std::string::npos);
+  for (const char* const name : {"answer.arm_step", "answer.arm_erp"}) values.erase(name);
+  values["answer.arm_keeps"] = 0;
+  CHECK(arm(values).starts_with("No settings that were tried keep 1 for 2"));
+}
+
+}  // namespace
+
+int main() {
+  for (const Case& one : cases) {
+    const std::vector<std::string> sentences = box_with(one.otherwise);
+    CHECK_EQUAL(sentences.size(), 4U);
+    if (!says(sentences, one.place, one.words)) {
+      CHECK_EQUAL(one.place < sentences.size() ? sentences[one.place] : "", one.words);
+    }
+  }
+  settings_that_keep_nothing();
+  return odeval::test::verdict();
+}
