@@ -413,16 +413,16 @@ void plain_impact(Laboratory& laboratory, Findings& findings) {
                   shown(scenario.duration_s), shown(catalogue::farthest_percent), shown(scenario.step_s));
   const auto most = [&](const char* name, const char* unit, double scale, const char* what, quantity::Id metric,
                         quantity::Id uncertainty) {
-    std::vector<double> values;
+    double largest = 0;
     double off = 0;
     std::vector<double> percents(catalogue::nearby_percents.begin(), catalogue::nearby_percents.end());
     percents.push_back(0);
     for (const double percent : percents) {
       const Metrics metrics = whole(scenario, catalogue::moved(scenario.step_s, percent), defaults(scenario));
-      values.push_back(scale * metrics[metric].value_or(NAN));
+      largest = std::max(largest, scale * metrics[metric].value_or(INFINITY));
       off = std::max(off, scale * metrics[uncertainty].value_or(NAN));
     }
-    findings.add(name, among(measured(what + about, unit, *std::ranges::max_element(values), off), values));
+    findings.add(name, measured(what + about, unit, largest, off));
   };
   most("answer.impact_error", "ms", 1e3, "largest error of an impact's time", quantity::max_impact_error,
        quantity::impact_uncertainty);
