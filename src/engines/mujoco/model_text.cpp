@@ -54,11 +54,11 @@ engine_tree::Quaternion quaternion_of(const Rotation& r) {
 
 /// How a constraint takes an error back, as MuJoCo has it by default: critically damped with the time constant T,
 /// within the impedances 0.9 and 0.95. What bounces is damped less (in MuJoCo's other format, stiffness and damping),
-/// and its impedance d is one, so that the damping of the two together, by the root of d less than it says, is known.
+/// and its impedance is one, so that stiffness and damping are what they say at any depth.
 std::string softness(const char* suffix, double restitution, double time_constant_s) {
   constexpr double impedance = 0.95;
   const bool bounces = restitution > 0;
-  const double damping = engine_tree::damping_ratio(restitution) / (bounces ? std::sqrt(impedance) : 1);
+  const double damping = engine_tree::damping_ratio(restitution);
   const double rate = 1 / time_constant_s;
   return attribute(("solref" + std::string(suffix)).c_str(), std::array{-rate * rate, -2 * damping * rate}) +
          attribute(("solimp" + std::string(suffix)).c_str(),
