@@ -128,6 +128,7 @@ constexpr const char* unpublished = "not published";
 /// A box that a force pulls over the ground, with 25 balls on it: it slides, they roll.
 struct Rolling {
   static constexpr double gravity = 9.81, box_kg = 10, ball_kg = 1, force_N = 150, of_ground = 0.4, of_balls = 0.8;
+  static constexpr double duration_s = 4, step_s = 1e-3;
   static constexpr int balls = 25;
   /// Of the box, m/s²: friction of the ground takes its part of the force, a ball that rolls is as heavy as 2/7 of it.
   static constexpr double box =
@@ -142,8 +143,8 @@ constexpr int iterations = 100;
 Scenario rolling(const Vec3& along) {
   Scenario scenario;
   scenario.name = "rolling";
-  scenario.duration_s = 4;
-  scenario.step_s = 1e-3;
+  scenario.duration_s = Rolling::duration_s;
+  scenario.step_s = Rolling::step_s;
   scenario.sample_s = 0.01;
   scenario.ode.iterations = iterations;
   scenario.bullet.iterations = iterations;
@@ -222,7 +223,9 @@ Content benchmarks(Laboratory& laboratory, Findings&) {
                               cell_of(row.diagonal, unpublished), rolled(row.method, 60)});
   }
   Content content;
-  content.values = {{"iterations", iterations}};
+  content.values = {{"iterations", iterations},      {"balls", Rolling::balls},      {"box", Rolling::box_kg},
+                    {"ball", Rolling::ball_kg},      {"force", Rolling::force_N},    {"of_ground", Rolling::of_ground},
+                    {"of_balls", Rolling::of_balls}, {"until", Rolling::duration_s}, {"step", 1e3 * Rolling::step_s}};
   content.exhibits.emplace_back(std::move(bounce));
   content.exhibits.emplace_back(std::move(stack));
   content.exhibits.emplace_back(std::move(direction));
