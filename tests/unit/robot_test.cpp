@@ -104,13 +104,13 @@ ImportProof mistaken(const char* file, const Robot& robot, const Robot& given, c
   return catalogue::prove_import(imported, scenario);
 }
 
-const Body& body(const Scenario& scenario, const std::string& name) {
+const Body& body(const Scenario& scenario, std::string_view name) {
   for (const Body& one : scenario.mechanism.bodies) {
     if (one.name == name) return one;
   }
   throw std::runtime_error("no body " + name);
 }
-const Joint& joint(const Scenario& scenario, const std::string& name) {
+const Joint& joint(const Scenario& scenario, std::string_view name) {
   for (const Joint& one : scenario.mechanism.joints) {
     if (one.name == name) return one;
   }
