@@ -21,6 +21,30 @@ class Active {
  public:
   explicit Active(const Eigen::MatrixXd& a) : a_(a), l_(a.rows(), a.rows()) {}
 
+  /// Begins with rows in which p will be positive, of those that are guessed to be. Returns p.
+  Eigen::VectorXd begin(const Eigen::VectorXd& b, Indices guess) {
+    Eigen::VectorXd p = Eigen::VectorXd::Zero(b.size());
+    while (!guess.empty()) {
+      const Eigen::LLT<Eigen::MatrixXd> llt(a_(guess, guess));
+      const auto l = llt.matrixLLT();
+      const auto own = a_.diagonal()(guess).array();
+      if (llt.info() != Eigen::Success || (l.diagonal().array().square() <= dependent * own).any()) break;
+      const Eigen::VectorXd x = -llt.solve(b(guess).eval());
+      if (x.minCoeff() > 0) {
+        rows_ = guess;
+        l_.topLeftCorner(size(), size()) = l;
+        p(rows_) = x;
+        break;
+      }
+      Indices left;
+      for (std::size_t k = 0; k < guess.size(); ++k) {
+        if (x[static_cast<Eigen::Index>(k)] > 0) left.push_back(guess[k]);
+      }
+      guess = std::move(left);
+    }
+    return p;
+  }
+
   const Indices& rows() const { return rows_; }
   bool holds(Eigen::Index row) const { return std::ranges::find(rows_, row) != rows_.end(); }
   void add(Eigen::Index row) {
@@ -77,11 +101,16 @@ Stop move(Eigen::VectorXd& p, const Indices& rows, const Eigen::VectorXd& direct
   return stop;
 }
 
-Eigen::VectorXd complementary_of_coupled(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
-  Eigen::VectorXd p = Eigen::VectorXd::Zero(b.size());
-  if (b.size() == 0) return p;
+Eigen::VectorXd complementary_of_coupled(const Eigen::MatrixXd& a, const Eigen::VectorXd& b,
+                                         const Eigen::VectorXd& guess) {
+  if (b.size() == 0) return b;
   const double enough = rounding * b.cwiseAbs().maxCoeff();
   Active active(a);
+  Indices positive;
+  for (Eigen::Index i = 0; i < guess.size(); ++i) {
+    if (guess[i] > 0) positive.push_back(i);
+  }
+  Eigen::VectorXd p = active.begin(b, std::move(positive));
   std::vector<char> hopeless(static_cast<std::size_t>(b.size()), 0);
   // A round adds a row or gives one up; few leave again.
   for (Eigen::Index round = 0; round < 10 * b.size(); ++round) {
@@ -113,6 +142,12 @@ Eigen::VectorXd complementary_of_coupled(const Eigen::MatrixXd& a, const Eigen::
       if (stop.by == worst) hopeless[static_cast<std::size_t>(worst)] = 1;  // violated by rounding only
     }
   }
+  // Once more, for what rounding has left.
+  if (!active.rows().empty()) {
+    const Eigen::VectorXd more = active.solve(a * p + b);
+    const Eigen::VectorXd better = p(active.rows()) - more;
+    if (better.minCoeff() >= 0) p(active.rows()) = better;
+  }
   return p;
 }
 
@@ -138,11 +173,14 @@ std::vector<std::vector<Eigen::Index>> coupled(const Eigen::MatrixXd& a) {
   return groups;
 }
 
-Eigen::VectorXd complementary(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
+Eigen::VectorXd complementary(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, const Eigen::VectorXd& guess) {
   const auto groups = coupled(a);
-  if (groups.size() == 1) return complementary_of_coupled(a, b);
+  if (groups.size() == 1) return complementary_of_coupled(a, b, guess);
   Eigen::VectorXd p = Eigen::VectorXd::Zero(b.size());
-  for (const Indices& group : groups) p(group) = complementary_of_coupled(a(group, group), b(group));
+  for (const Indices& group : groups) {
+    p(group) = complementary_of_coupled(a(group, group), b(group),
+                                        guess.size() > 0 ? Eigen::VectorXd(guess(group)) : Eigen::VectorXd());
+  }
   return p;
 }
 

@@ -9,7 +9,7 @@ namespace odeval::engine_rk4 {
 /// Least Squares Problems, 1974, chapter 23, on the normal equations): exact to rounding after as many rounds as
 /// contacts push. Where several contacts say the same, A p is unique and p is not; as few as possible get a share. Rows
 /// that nothing can satisfy (b asks both jaws of a vice to give way) are left as they are.
-Eigen::VectorXd complementary(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
+Eigen::VectorXd complementary(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, const Eigen::VectorXd& guess = {});
 
 /// Rows that have a part in each other, directly or through others.
 std::vector<std::vector<Eigen::Index>> coupled(const Eigen::MatrixXd& a);

@@ -32,8 +32,6 @@ constexpr int most_splits = 4;   // of a step where something comes to stick
 constexpr double moment = 1e-4;  // of a step, at which what sticks comes to slip
 constexpr int most_finds = 3;    // of footholds in a step: what comes to rest more often stands nowhere
 
-bool same_geoms(const Contact& one, const Contact& other) { return one.geoms == other.geoms; }
-
 bool among(const std::vector<Contact>& contacts, const Contact& contact) {
   return std::ranges::any_of(contacts, [&](const Contact& other) { return same_geoms(contact, other); });
 }
@@ -94,6 +92,10 @@ void Flight::fly(double h) {
     move(t, h - t, there_);
     if (!collider_.works(motion_.mechanism())) break;
     arrive(there_, h - t);
+    if (crowded_ > 0 && !contacts_.empty()) {
+      settle_crowd(there_, h - t);
+      break;
+    }
     if (deepest(there_) == nullptr) {
       double passed = h - t;
       if (slips(t, passed)) {
@@ -122,10 +124,6 @@ void Flight::fly(double h) {
       }
       break;
     }
-    if (crowded_ > 0) {
-      settle_crowd(there_, h - t);
-      break;
-    }
     // What rests has been let go for the step, and what it carries with it: is there still a touch once it is held?
     if (!resting_.empty()) {
       const State let_go = there_;
@@ -136,6 +134,12 @@ void Flight::fly(double h) {
       go_back(before);
       arrive(there_, h - t);
     }
+    struck += struck_at_once();
+    const bool first_in_a_while = touches_.empty() && quiet_ >= calm_steps;
+    if (struck > crowd && !first_in_a_while) {
+      crowd_on();
+      continue;
+    }
     double passed = locate(t, h - t);
     const bool slipped = slips(t, passed);
     remember(there_, passed);
@@ -144,9 +148,6 @@ void Flight::fly(double h) {
       std::swap(here_, there_);
       continue;
     }
-    struck += struck_at_once();
-    const bool first_in_a_while = touches_.empty() && quiet_ >= calm_steps;
-    if (struck > crowd && !first_in_a_while) crowd_on();
     impact(t, passed <= 0, impacts >= options_.most_impacts);
     just_struck = true;
     if (t < h) continue;

@@ -114,6 +114,12 @@ class Flight {
   void tell_joint(const Contact& contact, const State& state, double h);
   std::vector<Twist> follow(const State& free, const State& held, double h);
   void settle_crowd(State& state, double h);
+  bool judge_bounces(const State& state, const State& bare, std::vector<Contact>& contacts) const;
+  void add_still(const State& free);
+  bool missed_on_way(const State& free, const State& end, std::vector<double>& depths);
+  std::vector<char> pay(const State& free, double work, State& state) const;
+  double follow_crowd(const Impact& impact, const Eigen::VectorXd& impulses, std::vector<Contact>& contacts,
+                      const State& free, const State& struck, double h, double work, State& state);
   State unforced(Motion& motion, const State& state, double h);
   double rounding_of_energy(const State& state) const;
   double gained(const State& from, const State& to) const;

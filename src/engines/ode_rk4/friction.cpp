@@ -23,6 +23,7 @@ constexpr double softness = 1e-6, least_softness = 1e-11;
 constexpr double agreement = 1e-10;  // of the largest impulse: soft shares are rounded to that
 // Of Newton's method, and of the rounds that make up for softness; it has failed by then.
 constexpr int most_newtons = 20, most_softs = 4;
+constexpr double the_same = 1e-9;  // of what was left a round before: it goes round in circles
 constexpr Index most_rows = 150;
 constexpr double most_work = 5e6;  // cubes of the rows of its matrices, in one call: a millisecond or two
 constexpr int most_looks = 50;     // sweeps that bring it near enough, where where it was is not
@@ -55,6 +56,7 @@ class Newton {
       choose(v, p);
       const double off = residual_.cwiseAbs().maxCoeff();
       if (done(off, last, scale)) return p;
+      if (std::fabs(off - last) <= the_same * off) return std::nullopt;
       last = off;
       const auto k = static_cast<Index>(rows_.size());
       work_ += static_cast<double>(k * k * k);
@@ -221,7 +223,7 @@ VectorXd sticking(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing) 
   p.tail(m) = stuck.solve(v.tail(m));
   MatrixXd left = a.topLeftCorner(n, n) - a.topRightCorner(n, m) * follow;
   left.diagonal() += softness * a.diagonal().head(n);
-  p.head(n) = complementary(left, v.head(n) - a.topRightCorner(n, m) * p.tail(m));
+  p.head(n) = complementary(left, v.head(n) - a.topRightCorner(n, m) * p.tail(m), p.head(n));
   p.tail(m) = -p.tail(m) - follow * p.head(n);
   return p;
 }
@@ -268,7 +270,7 @@ VectorXd hold_in_turn(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbi
   for (int round = 0; round < most_rounds; ++round) {
     const VectorXd was = p;
     const VectorXd closing = v.head(n) + a.topRightCorner(n, m) * p.tail(m);
-    p.head(n) = complementary(softened, closing - soft * was.head(n));
+    p.head(n) = complementary(softened, closing - soft * was.head(n), was.head(n));
     p.tail(m) = sweep(a.bottomRightCorner(m, m), v.tail(m) + a.bottomLeftCorner(m, n) * p.head(n), rubbing, p.head(n),
                       p.tail(m), most_sweeps_in_turn);
     if ((p - was).cwiseAbs().maxCoeff() <= agreement * p.cwiseAbs().maxCoeff()) break;

@@ -14,6 +14,7 @@ namespace {
 std::size_t index(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
 constexpr double rounding = 1e-12;     // of the fastest speed, of the largest impulse
+constexpr double still = 1e-15;        // m/s, rad/s: what is left after another impact; moves no pose beyond rounding
 constexpr double sliding = 1e-7;       // m/s: slower is sticking, within 1e-10 m in a step of a millisecond
 constexpr double sliding_way = 1e-11;  // m: what sticks before it has slid so far did all the while
 // Of the largest: contacts that say what others say, nearly. Their gaps may contradict each other, and a way out of
@@ -195,7 +196,7 @@ void Impact::strike_by(const Eigen::VectorXd& impulses, State& state) const {
 }
 
 Eigen::VectorXd Impact::strike(State& state, ImpactOrder order, double rest_speed) const {
-  Restitution restitution{Eigen::VectorXd(static_cast<Eigen::Index>(contacts_.size())), rest_speed};
+  Restitution restitution{Eigen::VectorXd(normals()), rest_speed, pushed_before()};
   std::map<std::pair<const void*, const void*>, std::size_t> numbers;
   std::vector<std::size_t> pair;
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
@@ -219,12 +220,25 @@ Eigen::VectorXd Impact::strike(State& state, ImpactOrder order, double rest_spee
   return p;
 }
 
+/// Normal impulses, when contacts were held last.
+Eigen::VectorXd Impact::pushed_before() const {
+  Eigen::VectorXd p(normals());
+  for (Eigen::Index i = 0; i < normals(); ++i) {
+    const Contact& contact = contacts_[index(i)];
+    p[i] = (contact.turns ? contact.turn : contact.push).dot(contact.normal);
+  }
+  return p;
+}
+
 /// Without restitution. Of the rows that `rubbing` tells of: the others give nothing.
 Eigen::VectorXd Impact::hold(const Eigen::VectorXd& v, const Rubbing& rubbing) const {
   const Eigen::Index n = normals(), count = n + rubbing.rows();
   const Eigen::MatrixXd a = response_.topLeftCorner(count, count);
   Eigen::VectorXd p = Eigen::VectorXd::Zero(v.size());
-  const auto without = [&] { return strike_together(a.topLeftCorner(n, n), v.head(n), {Eigen::VectorXd::Zero(n)}); };
+  if ((v.head(count).array().abs() <= still).all()) return p;
+  const auto without = [&] {
+    return strike_together(a.topLeftCorner(n, n), v.head(n), {Eigen::VectorXd::Zero(n), 0, pushed_before()});
+  };
   if (count == n) {
     p.head(n) = without();
     return p;
@@ -345,14 +359,27 @@ Sticks Impact::sticks_at(const Eigen::VectorXd& impulses, const State& before, c
   return first;
 }
 
-std::vector<Twist> Impact::way_out(double depth, std::span<const Twist> besides,
-                                   const Eigen::VectorXd& impulses) const {
+std::vector<Twist> Impact::evenly(const Eigen::VectorXd& impulses, double h, std::vector<Contact>& contacts,
+                                  bool all) const {
+  Eigen::VectorXd p = h / 2 * impulses;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    if (!all && contacts[i].restitution <= 0) p[static_cast<Eigen::Index>(i)] = 0;
+  }
+  const Eigen::VectorXd by = response_ * p;
+  for (std::size_t i = 0; i < contacts.size(); ++i) contacts[i].depth -= by[static_cast<Eigen::Index>(i)];
+  respond(p);
+  return change_;
+}
+
+std::vector<Twist> Impact::way_out(double depth, std::span<const Twist> besides, const Eigen::VectorXd& impulses,
+                                   const Eigen::VectorXd& guess) const {
   Eigen::VectorXd b(static_cast<Eigen::Index>(contacts_.size()));
   for (std::size_t i = 0; i < contacts_.size(); ++i) b[static_cast<Eigen::Index>(i)] = depth - contacts_[i].depth;
   if (besides.empty() && (b.array() >= 0).all()) return {};
   if (contacts_.empty()) return {besides.begin(), besides.end()};
   Eigen::VectorXd p = Eigen::VectorXd::Zero(response_.rows());
-  p.head(normals()) = complementary(response_.topLeftCorner(normals(), normals()), b);
+  p.head(normals()) = complementary(response_.topLeftCorner(normals(), normals()), b,
+                                    guess.size() > 0 ? Eigen::VectorXd(guess.head(normals())) : pushed_before());
   const Eigen::VectorXd moved = response_ * p;
   std::vector<Eigen::Index> pushing;
   double highest = 0, deepest = 0;

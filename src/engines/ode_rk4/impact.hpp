@@ -40,6 +40,8 @@ struct Contact {
   bool rubs() const { return friction > 0 || rho > 0 || rhoN > 0; }
 };
 
+inline bool same_geoms(const Contact& one, const Contact& other) { return one.geoms == other.geoms; }
+
 // What rests lies this deep, m: a thousand times deeper than contacts are rounded, so that it is found in every step.
 constexpr double rest_depth = 1e-9;
 
@@ -81,6 +83,8 @@ class Impact {
   void spend(const Eigen::VectorXd& impulses, std::vector<LateMotor>& motors) const;
   /// What motors gave, as contacts whose first geom is the joint's id, with what they push; notes it for the next time.
   std::vector<Contact> note_motors(const Eigen::VectorXd& impulses) const;
+  /// Joints answer to impulses (Motion::add_forces).
+  void answer(const Eigen::VectorXd& impulses) const { respond(impulses); }
   /// Of motion that impulses alone would make of rest, J.
   double energy_of(const Eigen::VectorXd& impulses) const { return impulses.dot(response_ * impulses) / 2; }
   /// Writes to a contact what impulses it got.
@@ -89,11 +93,15 @@ class Impact {
   /// sliding on would have led to if normal impulses stayed.
   Sticks sticks_at(const Eigen::VectorXd& impulses, const State& before, const State& state, double h) const;
 
+  /// The way that friction, motors and what bounces make by impulses that act evenly over a time h; contacts get that
+  /// much shallower. `all`: that all impulses make.
+  std::vector<Twist> evenly(const Eigen::VectorXd& impulses, double h, std::vector<Contact>& contacts,
+                            bool all = false) const;
   /// The way that takes the bodies apart, mass-weighted and with joints kept, until no contact is deeper than `depth`,
   /// to the first order, with what is given besides. What pushes and yet would be apart then is moved down to it.
-  /// Empty: there is nowhere to go.
-  std::vector<Twist> way_out(double depth, std::span<const Twist> besides = {},
-                             const Eigen::VectorXd& impulses = {}) const;
+  /// `guess`: positive where the way is likely to push; else where contacts did. Empty: there is nowhere to go.
+  std::vector<Twist> way_out(double depth, std::span<const Twist> besides = {}, const Eigen::VectorXd& impulses = {},
+                             const Eigen::VectorXd& guess = {}) const;
 
  private:
   double free_response(const Contact& contact) const;
@@ -103,6 +111,7 @@ class Impact {
   void find_response(std::size_t bodies);
   void respond(const Eigen::VectorXd& sizes) const;  // into change_
 
+  Eigen::VectorXd pushed_before() const;
   Eigen::VectorXd hold(const Eigen::VectorXd& speeds, const Rubbing& rubbing) const;
   Eigen::VectorXd rubbed(const Eigen::VectorXd& speeds, Eigen::VectorXd impulses, const Rubbing& rubbing) const;
   Eigen::Index normals() const { return static_cast<Eigen::Index>(contacts_.size()); }

@@ -55,8 +55,11 @@ VectorXd strike_group(const MatrixXd& a, const VectorXd& v, const Restitution& r
   VectorXd now = v;
   for (int round = 0; round < 2 * most_rounds && now.minCoeff() < -enough; ++round) {
     const VectorXd e = round < most_rounds ? bounce(restitution, now) : VectorXd::Zero(v.size());
-    const VectorXd above_least = (now.array() < 0).select((1 + e.array()) * now.array(), 2 * now.array());
-    VectorXd more = complementary(a, above_least);
+    // Where nothing bounces what opens may stay, and what is struck first strikes nothing else.
+    const VectorXd above_least =
+        (e.array() == 0).all() ? now
+                               : VectorXd((now.array() < 0).select((1 + e.array()) * now.array(), 2 * now.array()));
+    VectorXd more = complementary(a, above_least, round == 0 ? restitution.guess : VectorXd());
     if (!sound(a, now, more)) more = strike_fastest(a, now, e);
     p += more;
     now += a * more;
@@ -68,8 +71,10 @@ VectorXd strike_group(const MatrixXd& a, const VectorXd& v, const Restitution& r
 
 VectorXd strike_together(const MatrixXd& a, const VectorXd& v, const Restitution& restitution) {
   VectorXd p = VectorXd::Zero(v.size());
+  const auto& guess = restitution.guess;
   for (const Indices& group : coupled(a)) {
-    p(group) = strike_group(a(group, group), v(group), {restitution.of(group), restitution.rest_speed});
+    const VectorXd of_group = guess.size() > 0 ? VectorXd(guess(group)) : VectorXd();
+    p(group) = strike_group(a(group, group), v(group), {restitution.of(group), restitution.rest_speed, of_group});
   }
   return p;
 }

@@ -7,8 +7,9 @@
 namespace odeval::engine_rk4 {
 
 struct Restitution {
-  Eigen::VectorXd of;     // each contact, 0..1
-  double rest_speed = 0;  // what closes more slowly does not bounce
+  Eigen::VectorXd of;          // each contact, 0..1
+  double rest_speed = 0;       // what closes more slowly does not bounce
+  Eigen::VectorXd guess = {};  // positive: of contacts that are likely to push, where the search begins
 };
 
 /// All at once, by Newton's law with complementarity: p >= 0, v+ >= t, p (v+ - t) = 0, where t = -e v for a contact
