@@ -108,13 +108,13 @@ const Body& body(const Scenario& scenario, std::string_view name) {
   for (const Body& one : scenario.mechanism.bodies) {
     if (one.name == name) return one;
   }
-  throw std::runtime_error("no body " + name);
+  throw std::runtime_error("no body " + std::string(name));
 }
 const Joint& joint(const Scenario& scenario, std::string_view name) {
   for (const Joint& one : scenario.mechanism.joints) {
     if (one.name == name) return one;
   }
-  throw std::runtime_error("no joint " + name);
+  throw std::runtime_error("no joint " + std::string(name));
 }
 
 void check_near(const Vec3& actual, const Vec3& wanted, double tolerance) {
