@@ -195,6 +195,7 @@ struct Answer {
   std::uint32_t joints = 0;
   std::uint32_t contacts = 0;
   double depth_m = 0;                               // the largest
+  double contact_s = 0;                             // the shortest in which a contact stops what it holds
   std::uint64_t messages = 0;                       // of ODE, in the unchanged run
   std::string first_message;                        // empty: none
   double first_message_t_s = 0;                     // end of its step
@@ -205,6 +206,7 @@ struct Answer {
   std::vector<ProgramRun> runs;     // the unchanged first
   std::optional<Parting> parting;   // of the two unchanged runs: nothing: they are the same to the bit
   std::optional<Parting> diverged;  // where the unchanged run is no number any more: what is told is of the time before
+  bool unrecorded = false;          // there was no room for all of the unchanged run
   std::string reason;               // why there is no error; empty: there is
 
   double until_s = 0;                    // up to which all runs go

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <fstream>
 #include <map>
+#include <sstream>
 
 #include "audit/judge.hpp"
 #include "audit/recording.hpp"
@@ -94,10 +95,18 @@ EnergyPoint sum_of(const std::map<std::uint32_t, EnergyPoint>& worlds, const Rec
 
 void read_names(const std::string& file, Answer& answer) {
   std::ifstream in(file);
-  std::string kind;
-  std::uint32_t number = 0;
-  for (std::string name; in >> kind >> number && std::getline(in >> std::ws, name);) {
-    (kind == "body" ? answer.body_names : answer.joint_names)[number + 1] = name;
+  for (std::string text; std::getline(in, text);) {
+    std::istringstream line(text);
+    std::string kind;
+    std::uint32_t number = 0;
+    if (!(line >> kind >> number)) continue;
+    auto& names = kind == "body" ? answer.body_names : answer.joint_names;
+    std::string name;
+    if (std::getline(line >> std::ws, name)) {
+      names[number + 1] = name;
+    } else {
+      names.erase(number + 1);  // an empty name is none
+    }
   }
 }
 
@@ -131,6 +140,7 @@ void describe(const std::filesystem::path& unchanged, Answer& answer) {
   if (const Head* head = run.head()) {
     answer.messages = head->messages;
     answer.first_message = head->first_message;
+    answer.contact_s = head->contact_s;
     answer.solver = {head->direct, head->iteration, head->besides, head->iterations};
   }
   bool quick = false;

@@ -50,6 +50,9 @@ class Spread {
   /// Of a run, or of one of the others, that and what it is worth. `unseen` is what no run sees of bends and jumps
   /// (the judge's to know), and more of what the limit may be off by, as `rounding` is.
   Estimate error(std::size_t run, double unseen = 0, double rounding = 0) const;
+  Convergence convergence(const Estimate& error, double unseen) const;
+  /// The two finest runs.
+  double last_apart() const { return apart(runs() - 1, 0); }
   /// Of the last three runs; nothing where they do not differ.
   std::optional<double> order() const;
 
@@ -59,7 +62,6 @@ class Spread {
   std::optional<double> order_of(std::size_t first, std::size_t last) const;
   double uncertainty(std::size_t degree) const;
   double uncertainty_of_values() const;
-  Convergence convergence(const Estimate& error, double unseen) const;
 
   std::vector<double> steps_;  // in units of h
   std::vector<double> apart_;  // the square, T(i, j) from T(i-1, j), [i][j]

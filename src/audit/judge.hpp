@@ -32,18 +32,19 @@ void describe(const std::filesystem::path& unchanged, Answer& answer);
 /// Calls `take` with each step of a run.
 void each_step(const std::filesystem::path& record, const std::function<void(const StepRow&)>& take);
 
-/// What a limit may be off by besides its uncertainty.
-struct Hidden {
-  double unseen_m = 0;
-  double rounding_m = 0;
+/// The limit that a row of the answer is from.
+struct LimitOf {
+  std::size_t degree = 0;
+  double uncertainty_m = 0;
+  double unseen_m = 0;  // of that
 };
 
 /// Errors, order, horizon, steps. Refined runs are compared as far as all of them go and have the same bodies. Returns
-/// what is hidden at each of Answer::error_at.
-std::vector<Hidden> judge(const Records& records, Answer& answer);
+/// the limit of each of Answer::error_at.
+std::vector<LimitOf> judge(const Records& records, Answer& answer);
 
 /// How far those that were tried, and the one with numbers, are from the limit, until Answer::tried_at: beyond,
-/// nothing is told of them. `hidden` is the judge's.
-void judge_tried(const Records& records, const std::vector<Hidden>& hidden, Answer& answer);
+/// nothing is told of them. `limits` are the judge's.
+void judge_tried(const Records& records, const std::vector<LimitOf>& limits, Answer& answer);
 
 }  // namespace odeval::audit

@@ -61,9 +61,9 @@ class Beside {
 
 class TriedJudge {
  public:
-  TriedJudge(const Records& records, const std::vector<Hidden>& hidden, Answer& answer)
+  TriedJudge(const Records& records, const std::vector<LimitOf>& limits, Answer& answer)
       : records_(records),
-        hidden_(hidden),
+        limits_(limits),
         answer_(answer),
         again_(records.unchanged_again),
         all_(records.refinements, records.tried.size() + (records.with_numbers ? 1 : 0)) {
@@ -125,8 +125,12 @@ class TriedJudge {
   }
 
   void report() {
-    const Hidden& hidden = hidden_[reports_++];
-    const auto error = [&](std::size_t run) { return all_.error(run, hidden.unseen_m, hidden.rounding_m); };
+    const LimitOf& limit = limits_[reports_++];
+    const auto error = [&](std::size_t run) {
+      Estimate its{all_.off(run, {limit.degree, limit.uncertainty_m}), limit.uncertainty_m, Convergence::none};
+      its.convergence = all_.convergence(its, limit.unseen_m);
+      return its;
+    };
     for (std::size_t i = 0; i < answer_.tried.size(); ++i) {
       answer_.tried[i].distance_m.push_back(error(runs_.size() + i));
     }
@@ -136,7 +140,7 @@ class TriedJudge {
   }
 
   const Records& records_;
-  const std::vector<Hidden>& hidden_;
+  const std::vector<LimitOf>& limits_;
   Answer& answer_;
   std::vector<Recording> runs_;
   std::vector<Beside> others_;  // tried, then with numbers
@@ -150,8 +154,8 @@ class TriedJudge {
 
 }  // namespace
 
-void judge_tried(const Records& records, const std::vector<Hidden>& hidden, Answer& answer) {
-  TriedJudge(records, hidden, answer).judge();
+void judge_tried(const Records& records, const std::vector<LimitOf>& limits, Answer& answer) {
+  TriedJudge(records, limits, answer).judge();
 }
 
 }  // namespace odeval::audit

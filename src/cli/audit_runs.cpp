@@ -96,6 +96,7 @@ class Audit {
     std::future<void> steps = std::async(std::launch::async, [&] { write_steps(folder / "steps.csv"); });
     write_whole(folder / "answer.json", audit_json(answer));
     std::vector<std::string> missing;
+    fs::remove(folder / "film.png");  // of an audit before
     report::AuditPageParts parts{.pictures = {}, .command = command(), .environment = catalogue::versions()};
     try {
       if (answer.reason.empty()) parts.pictures = worst_moment(answer, records());
@@ -124,6 +125,7 @@ class Audit {
     runs_ = {Run{.ledger = true}, Run{.motions = true}};
     if (const int signal = run_from(0)) return signal;
     find_parting(answer);
+    answer.unrecorded = Recording(scratch_.record(0)).had_no_room();
     audit::describe(scratch_.record(0), answer);
     require_effects(answer);
     answer.reason = reason(answer);
@@ -134,7 +136,10 @@ class Audit {
       }
       runs_.push_back({.moved = true});
       if (const int signal = run_from(2)) return signal;
-      const std::vector<audit::Hidden> hidden = audit::judge(records(), answer);
+      answer.reason = reason(answer);  // threads that took turns may meet in a run that takes longer
+    }
+    if (answer.reason.empty()) {
+      const std::vector<audit::LimitOf> limits = audit::judge(records(), answer);
       const std::size_t judged = runs_.size();
       // Every world is to get there: the first to do so may be steps before the others.
       tried_until_s_ = answer.error_at[answer.tried_at].t_s;
@@ -143,7 +148,8 @@ class Audit {
       for (const std::string& set : asked()) runs_.push_back({.set = set});
       if (answer.springs_held) runs_.push_back({.refinement = refinements_[1], .numbers = true});
       if (const int signal = run_from(judged)) return signal;
-      audit::judge_tried(records(), hidden, answer);
+      audit::judge_tried(records(), limits, answer);
+      answer.reason = reason(answer);
     }
     for (std::size_t i = 0; i < runs_.size(); ++i) answer.runs.push_back(described(i));
     add_limits(answer);
@@ -298,7 +304,7 @@ class Audit {
 
   /// Why there is nothing to refine; empty: there is.
   std::string reason(const Answer& answer) const {
-    for (const std::size_t number : {std::size_t{0}, std::size_t{1}}) {
+    for (std::size_t number = 0; number < runs_.size(); ++number) {
       const Recording run(scratch_.record(number));
       if (run.has(audit::single_precision))
         return "its ODE is single precision, and the audit follows double precision only";
@@ -440,6 +446,12 @@ class Audit {
       if (i == 2 && run.has(audit::contacts_stayed)) {
         answer.limits.push_back("contacts stay as they are within a step: what makes them can not be called again");
       }
+    }
+    if (answer.reason.empty() && stiff_contacts(answer)) {
+      answer.limits.push_back(
+          fmt::format("contacts stop what they hold in {:.2g} s, less than the finest step: errors are from where they "
+                      "would be rigid; steps as short as that may bring bounces and impacts out otherwise",
+                      answer.contact_s));
     }
     if (!Recording(scratch_.record(0)).has(audit::single_precision) && answer.reason.empty()) {
       answer.limits.emplace_back("forces that the program adds count as constant over each of its own steps");

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include "output/number.hpp"
 #include "output/table.hpp"
@@ -40,7 +41,10 @@ std::string joint_name(const Answer& answer, std::uint32_t joint) { return calle
 
 std::string audit_head(const Answer& answer) {
   const audit::ProgramRun& run = answer.runs.front();
-  if (answer.bodies == 0) return (run.steps == 0 ? "no step of ODE; " : "") + run.end;
+  if (answer.bodies == 0) {
+    const char* nothing = answer.unrecorded ? "nothing is recorded; " : "no step of ODE; ";
+    return (run.steps == 0 ? nothing : "") + run.end;
+  }
   std::string line = fmt::format(
       "{}, h = {:.4g} s{}, {}, {:.4g} s; {}, {}; {}", answer.stepper, answer.h_s, answer.h_varies ? " at first" : "",
       count(run.steps, "step", "steps") + (answer.worlds > 1 ? " at most" : ""), run.simulated_s,
@@ -62,8 +66,25 @@ const char* convergence_word(Convergence convergence) {
   return "none";
 }
 
+std::string convergence_words(const ErrorUntil& row) {
+  const bool placed = row.distance_m.convergence != Convergence::none;
+  const bool turned = row.turn_rad.convergence != Convergence::none;
+  if (placed == turned) return convergence_word(row.convergence());
+  return fmt::format("{}, {} none", convergence_word((placed ? row.distance_m : row.turn_rad).convergence),
+                     placed ? "turn" : "place");
+}
+
 bool only_bounded(const Estimate& error) {
   return error.convergence == Convergence::rough && error.uncertainty >= error.value;
+}
+
+/// Of the refinements.
+static int finest(const Answer& answer) {
+  return std::ranges::max_element(answer.runs, {}, &audit::ProgramRun::refinement)->refinement;
+}
+
+bool stiff_contacts(const Answer& answer) {
+  return answer.springs_held && answer.contact_s > 0 && answer.contact_s < answer.h_s / finest(answer);
 }
 
 bool has_limit(const Answer& answer, std::size_t at) {
@@ -100,13 +121,22 @@ std::string energy_error(const Answer& answer) {
   return error.convergence == Convergence::none ? "without a limit" : error_cell(error) + " J";
 }
 
+/// The first three, 1, 2 and 5 s of a long program; the end; the last before it that has a limit; and the latest.
+std::vector<std::size_t> shown_rows(const Answer& answer) {
+  const std::size_t count = answer.error_at.size();
+  std::set<std::size_t> rows;
+  for (std::size_t i = 0; i < std::min<std::size_t>(count, 3); ++i) rows.insert(i);
+  rows.insert({count - 1, answer.told_at});
+  for (std::size_t i = count; i-- > 0 && rows.size() < most_rows;) rows.insert(i);
+  return {rows.begin(), rows.end()};
+}
+
 std::string errors_table(const Answer& answer) {
   TextTable table("rrrrll", {"until t, s", "error, m", "turned, rad", "order", "", "largest"});
-  const std::size_t first = answer.error_at.size() - std::min(answer.error_at.size(), most_rows);
-  for (std::size_t i = first; i < answer.error_at.size(); ++i) {
+  for (const std::size_t i : shown_rows(answer)) {
     const ErrorUntil& row = answer.error_at[i];
     table.add({fmt::format("{:.4g}", row.t_s), error_cell(row.distance_m), error_cell(row.turn_rad),
-               row.order ? fmt::format("{:.2f}", *row.order) : "-", convergence_word(row.convergence()),
+               row.order ? fmt::format("{:.2f}", *row.order) : "-", convergence_words(row),
                body_name(answer, row.body)});
   }
   return table.text();
@@ -139,13 +169,9 @@ std::string verdict_line(const Answer& answer) {
     return fmt::format("until {:.3g} s the error, or the turn, is known to its size only: ± is more than a tenth of it",
                        bad->t_s);
   }
-  return fmt::format("until {:.3g} s smaller steps do not bring the runs together: nothing is extrapolated there",
-                     bad->t_s);
-}
-
-/// Of the refinements.
-int finest(const Answer& answer) {
-  return std::ranges::max_element(answer.runs, {}, &audit::ProgramRun::refinement)->refinement;
+  const bool placed = bad->distance_m.convergence != Convergence::none;
+  return fmt::format("until {:.3g} s smaller steps do not bring the {} together: nothing is extrapolated there",
+                     bad->t_s, placed ? "turns" : "runs");
 }
 
 std::string steps_line(const Answer& answer) {
@@ -209,7 +235,13 @@ std::string softness_line(const Answer& answer) {
   const double own = answer.error_at[answer.tried_at].distance_m.value;
   const double more = *answer.softness_m - answer.softness_of_step_m;
   if (!(more > 0.1 * own) || !(more > 1e-6)) return "";  // m: that no one asks for
-  return fmt::format("counts: with ERP and CFM held as numbers a smaller step leads {:.2g} m elsewhere", more);
+  const bool damped = answer.work.damping != 0;
+  const bool soft = answer.joints > 0 || answer.contacts > 0;
+  return fmt::format("counts: with {} held as numbers a smaller step leads {:.2g} m elsewhere",
+                     damped && soft ? "ERP, CFM and damping"
+                     : damped       ? "damping"
+                                    : "ERP and CFM",
+                     more);
 }
 
 /// Where the energy goes; parts below a thousandth of the largest are left out.
@@ -270,9 +302,9 @@ AuditLines audit_lines(const Answer& answer) {
   };
   if (!answer.reason.empty()) return lines;
   line("error",
-       fmt::format("largest distance of a body from where it would be at a step of 0 (steps to h/{}, {}{} held)",
-                   finest(answer), answer.springs_held ? "springs" : "numbers",
-                   answer.contacts_held ? " and contacts" : ""));
+       fmt::format("largest distance of a body from where it would be at a step of 0{} (steps to h/{}, {}{} held)",
+                   stiff_contacts(answer) ? " with rigid contacts" : "", finest(answer),
+                   answer.springs_held ? "springs" : "numbers", answer.contacts_held ? " and contacts" : ""));
   line("motion", motion_line(answer));
   line("diverged", diverged_line(answer));
   line("verdict", verdict_line(answer));

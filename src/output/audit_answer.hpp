@@ -17,9 +17,13 @@ std::string joint_name(const audit::Answer& answer, std::uint32_t joint);
 /// What ran: stepper, step, bodies, joints, how it ended.
 std::string audit_head(const audit::Answer& answer);
 const char* convergence_word(audit::Convergence convergence);
+/// Of both parts: "settled", or "settled, turn none" where only one of them has a limit.
+std::string convergence_words(const audit::ErrorUntil& row);
 
 /// Whether no more is known of an error than how large it can be: its uncertainty is as large as itself.
 bool only_bounded(const audit::Estimate& error);
+/// Whether some contact's spring and damper are shorter than the finest step, so that no run shows them.
+bool stiff_contacts(const audit::Answer& answer);
 /// Whether there is an error, at this one of Answer::error_at, that steps or settings can be told by.
 bool has_limit(const audit::Answer& answer, std::size_t at);
 /// Of what was tried, that keeps the error within a tenth; null where the program's own settings are as cheap, to a

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "output/audit_answer.hpp"
-#include "output/json_number.hpp"
 #include "output/number.hpp"
 
 namespace odeval {
@@ -16,23 +15,26 @@ using audit::ErrorUntil;
 using audit::Estimate;
 using Json = nlohmann::ordered_json;
 
+/// Null where there is no number: of a run that blew up, or has ended.
+Json json_or_null(double number) { return std::isfinite(number) ? Json(number) : Json(); }
+
 Json joint_json(const audit::JointSummary& joint) {
   const bool is_contact = joint.number == 0;
   Json json = {{"kind", joint.kind},
                {"bodies", {joint.bodies[0], joint.bodies[1]}},
                {"steps", joint.steps},
-               {is_contact ? "depth" : "gap", json_number(joint.largest_m)},
-               {"at", json_number(joint.largest_t_s)},
-               {"force", json_number(joint.force_N)},
-               {"work", json_number(joint.work_J)}};
+               {is_contact ? "depth" : "gap", json_or_null(joint.largest_m)},
+               {"at", json_or_null(joint.largest_t_s)},
+               {"force", json_or_null(joint.force_N)},
+               {"work", json_or_null(joint.work_J)}};
   if (is_contact) {
-    json["friction_share"] = joint.rough > 0 ? json_number(joint.friction_share) : Json();
+    json["friction_share"] = joint.rough > 0 ? json_or_null(joint.friction_share) : Json();
     json["steps_sliding"] = joint.sliding;
     return json;
   }
   json["joint"] = joint.number;
-  json["torque"] = json_number(joint.torque_Nm);
-  json["motor_work"] = json_number(joint.motor_work_J);
+  json["torque"] = json_or_null(joint.torque_Nm);
+  json["motor_work"] = json_or_null(joint.motor_work_J);
   json["steps_at_limit"] = joint.at_limit;
   json["steps_at_stop"] = joint.at_stop;
   return json;
@@ -40,13 +42,13 @@ Json joint_json(const audit::JointSummary& joint) {
 
 void add_ledger(const Answer& answer, Json& json) {
   const audit::Work& work = answer.work;
-  json["work"] = {{"added", json_number(work.added)},
-                  {"motors", json_number(work.motors)},
-                  {"joints", json_number(work.joints)},
-                  {"contacts", json_number(work.contacts)},
-                  {"damping", json_number(work.damping)},
-                  {"program", json_number(work.program)},
-                  {"step", json_number(answer.energy.end_J - answer.energy.begin_J - work.sum())}};
+  json["work"] = {{"added", json_or_null(work.added)},
+                  {"motors", json_or_null(work.motors)},
+                  {"joints", json_or_null(work.joints)},
+                  {"contacts", json_or_null(work.contacts)},
+                  {"damping", json_or_null(work.damping)},
+                  {"program", json_or_null(work.program)},
+                  {"step", json_or_null(answer.energy.end_J - answer.energy.begin_J - work.sum())}};
   json["joint_list"] = Json::array();
   json["contact_list"] = Json::array();
   for (const audit::JointSummary& joint : answer.joint_summaries) {
@@ -55,18 +57,18 @@ void add_ledger(const Answer& answer, Json& json) {
 }
 
 Json json_of(const Estimate& error) {
-  return {{"value", json_number(error.value)},
-          {"uncertainty", json_number(error.uncertainty)},
+  return {{"value", json_or_null(error.value)},
+          {"uncertainty", json_or_null(error.uncertainty)},
           {"only_bounded", only_bounded(error)},
           {"convergence", convergence_word(error.convergence)}};
 }
 void add_turn(Json& row, const Estimate& turn) {
-  row["turn"] = json_number(turn.value);
-  row["turn_uncertainty"] = json_number(turn.uncertainty);
+  row["turn"] = json_or_null(turn.value);
+  row["turn_uncertainty"] = json_or_null(turn.uncertainty);
   row["turn_only_bounded"] = only_bounded(turn);
   row["turn_convergence"] = convergence_word(turn.convergence);
 }
-Json json_of(const std::optional<double>& number) { return number ? json_number(*number) : Json(); }
+Json json_of(const std::optional<double>& number) { return number ? json_or_null(*number) : Json(); }
 
 Json errors_json(const Answer& answer) {
   Json list = Json::array();
@@ -110,8 +112,8 @@ Json tried_json(const Answer& answer) {
     }
     list.push_back({{"set", tried.set},
                     {"error_at", std::move(errors)},
-                    {"work_ratio", json_number(tried.work)},
-                    {"cpu_ratio", json_number(tried.cpu)}});
+                    {"work_ratio", json_or_null(tried.work)},
+                    {"cpu_ratio", json_or_null(tried.cpu)}});
   }
   return list;
 }
@@ -136,7 +138,7 @@ Json runs_json(const Answer& answer) {
                     {"refinement", run.refinement},
                     {"end", run.end},
                     {"steps", run.steps},
-                    {"simulated_s", json_number(run.simulated_s)}});
+                    {"simulated_s", json_or_null(run.simulated_s)}});
   }
   return list;
 }
@@ -154,11 +156,12 @@ std::string audit_json(const Answer& answer) {
                {"end", own.end},
                {"repeatable", !answer.parting},
                {"stepper", answer.stepper},
-               {"h", json_number(answer.h_s)},
+               {"h", json_or_null(answer.h_s)},
                {"h_varies", answer.h_varies},
                {"steps", own.steps},
                {"bodies", answer.bodies},
                {"joints", answer.joints},
+               {"contact_s", answer.contact_s > 0 ? json_or_null(answer.contact_s) : Json()},
                {"messages", answer.messages},
                {"first_message", answer.first_message},
                {"refinements", refinements},
@@ -173,7 +176,7 @@ std::string audit_json(const Answer& answer) {
   const ErrorUntil* last = answer.error_at.empty() ? nullptr : &answer.error_at.back();
   json["order"] = last != nullptr ? json_of(last->order) : Json();
   json["convergence"] = last != nullptr ? Json(convergence_word(last->convergence())) : Json();
-  json["until"] = json_number(answer.until_s);
+  json["until"] = json_or_null(answer.until_s);
   json["lost_at"] = json_of(answer.lost_at_s);
   json["growth"] = json_of(answer.growth);
   json["error_at"] = errors_json(answer);
@@ -188,14 +191,14 @@ std::string audit_json(const Answer& answer) {
   const audit::Tried* cheap = has_limit(answer, answer.tried_at) ? cheapest(answer) : nullptr;
   json["cheapest"] = cheap != nullptr ? Json(cheap->set) : Json();
   json["softness"] = json_of(answer.softness_m);
-  json["energy"] = {{"begin", json_number(answer.energy.begin_J)},
-                    {"end", json_number(answer.energy.end_J)},
+  json["energy"] = {{"begin", json_or_null(answer.energy.begin_J)},
+                    {"end", json_or_null(answer.energy.end_J)},
                     {"error", json_of(answer.energy.error_J)}};
   json["worst"] = {{"body", last != nullptr ? Json(last->body) : Json()},
                    {"joint", answer.gap.joint > 0 ? Json(answer.gap.joint) : Json()},
-                   {"gap", json_number(answer.gap.largest_m)},
+                   {"gap", json_or_null(answer.gap.largest_m)},
                    {"contacts", answer.contacts},
-                   {"depth", json_number(answer.depth_m)}};
+                   {"depth", json_or_null(answer.depth_m)}};
   add_ledger(answer, json);
   json["body_names"] = names_json(answer.body_names);
   json["joint_names"] = names_json(answer.joint_names);

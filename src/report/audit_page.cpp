@@ -111,7 +111,7 @@ Table errors_until(const Answer& answer) {
   for (const audit::ErrorUntil& row : answer.error_at) {
     table.rows.push_back({time(row.t_s), cell(row.distance_m), uncertainty(row.distance_m), cell(row.turn_rad),
                           uncertainty(row.turn_rad), row.order ? Cell(*row.order) : Missing{"the runs do not differ"},
-                          convergence_word(row.convergence()), body_name(answer, row.body)});
+                          convergence_words(row), body_name(answer, row.body)});
   }
   return table;
 }

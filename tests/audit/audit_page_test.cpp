@@ -64,6 +64,18 @@ Answer some_answer() {
   return answer;
 }
 
+/// A part without a limit does not stand for the other one.
+void says_which_part_settles() {
+  audit::ErrorUntil row;
+  row.distance_m = {0.1, 1e-4, Convergence::settled};
+  row.turn_rad = {0.2, 3, Convergence::none};
+  CHECK_EQUAL(convergence_words(row), "settled, turn none");
+  row.distance_m.convergence = Convergence::none;
+  CHECK_EQUAL(convergence_words(row), "none");
+  row.turn_rad.convergence = Convergence::rough;
+  CHECK_EQUAL(convergence_words(row), "rough, place none");
+}
+
 report::Page page_of(const Answer& answer) {
   return report::audit_page(answer, {.pictures = {}, .command = "odeval audit -- x", .environment = {{"ODE", "0.16"}}});
 }
@@ -135,6 +147,7 @@ void says_no_more_than_is_known() {
 }  // namespace
 
 int main(int argc, char** argv) {
+  says_which_part_settles();
   const report::Page page = page_of(some_answer());
   if (argc > 1) write_whole(argv[1], page.html);
   says_the_answer(page.html);

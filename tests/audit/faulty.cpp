@@ -41,6 +41,7 @@ void near(void* data, dGeomID one, dGeomID other) {
   for (int i = 0; i < found; ++i) {
     contact[i].surface.mode = dContactBounce;
     contact[i].surface.bounce = 0.5;
+    if (is("rolls")) contact[i].surface = {.mode = 0, .mu = dInfinity};
     dJointAttach(dJointCreateContact(world, contacts, &contact[i]), dGeomGetBody(one), dGeomGetBody(other));
   }
 }
@@ -81,6 +82,12 @@ void step() {
     ++now;
     return;
   }
+  if (is("rolls")) {
+    dWorldStep(world, 0.01);
+    dJointGroupEmpty(contacts);
+    ++now;
+    return;
+  }
   if (is("runaway")) dBodyAddForce(lost, 0, 0, 1e7 * dBodyGetPosition(lost)[2]);
   dWorldStep(world, 0.001);
   dJointGroupEmpty(contacts);
@@ -93,18 +100,26 @@ void make() {
   space = dHashSpaceCreate(nullptr);
   contacts = dJointGroupCreate(0);
   dWorldSetGravity(world, 0, 0, -9.81);
-  if (!is("free")) dCreatePlane(space, 0, 0, 1, 0);
+  if (is("rolls")) dWorldSetCFM(world, 1e-5);
+  if (is("rolls")) dWorldSetGravity(world, 2.54, 0, -9.48);  // down a slope of 15 degrees
+  if (is("damped")) dWorldSetLinearDamping(world, 0.01);
+  if (!is("free") && !is("damped")) dCreatePlane(space, 0, 0, 1, 0);
   if (is("static-pair")) dGeomSetPosition(dCreateBox(space, 1, 1, 1), 5, 0, 0.3);  // 0.2 m in the plane
   ball = dBodyCreate(world);
   dMass mass;
   dMassSetSphereTotal(&mass, 1, 0.1);
   dBodySetMass(ball, &mass);
-  dBodySetPosition(ball, 0, 0, 0.3);
+  dBodySetPosition(ball, 0, 0, is("rolls") ? 0.1 : 0.3);
   ball_geom = dCreateSphere(space, 0.1);
   dGeomSetBody(ball_geom, ball);
-  if (is("nan-place") || is("nan-start") || is("runaway")) lost = dBodyCreate(world);
+  if (is("nan-place") || is("nan-start") || is("runaway") || is("falls-beside")) lost = dBodyCreate(world);
   if (is("nan-start")) dBodySetPosition(lost, dReal(0) / dReal(0), 0, 0);
   if (is("named")) odeval_name(ball, "the ball");
+  if (is("named-nothing")) {
+    odeval_name(ball, "");
+    odeval_name(dBodyCreate(world), "the other");
+    odeval_name(dBodyCreate(world), nullptr);
+  }
 }
 
 void shout() {
@@ -168,6 +183,8 @@ void go_wrong() {
     for (;;) ::pause();
   }
   if (is("thread")) std::thread(step).join();
+  const char* refined = std::getenv("ODEVAL_AUDIT_REFINE");  // as threads that meet in runs that take longer
+  if (is("thread-refined") && refined != nullptr && std::strcmp(refined, "4") == 0) std::thread(step).join();
   if (is("thread-collides")) std::thread(collide).join();
   if (is("thread-makes")) std::thread([] { dBodyCreate(world); }).join();
   if (is("collides")) collide_for_ever();
@@ -203,6 +220,7 @@ void go_wrong() {
 
 int main(int argc, char** argv) {
   if (argc > 1) fault = argv[1];
+  if (is("rolls")) steps = 300;
   if (argc > 2) steps = std::atol(argv[2]);
   if (is("nothing")) return 0;
   if (is("no-file")) {

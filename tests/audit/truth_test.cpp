@@ -238,6 +238,12 @@ void check(const Case& what, double h) {
   const std::map<double, Errors> truth = true_errors(poses, h, what.truth(h));
   CHECK_EQUAL(truth.size(), 2U);
   const Json answer = stated(what.scenario, h, folder.path());
+  double before = 0;
+  for (const Json& row : answer["error_at"]) {
+    if (row["convergence"] == "none") continue;
+    CHECK_BETWEEN(row["value"], before, HUGE_VAL);  // until a time is no less than until one before
+    before = row["value"];
+  }
   for (const auto& [t, errors] : truth) {
     const auto row = std::ranges::find_if(
         answer["error_at"], [&](const Json& one) { return std::fabs(one["t"].get<double>() - t) < h / 2; });
@@ -309,6 +315,9 @@ void a_coarse_step() {
   const Json answer = stated("double_pendulum", 0.05, folder.path());
   CHECK(answer["lost_at"].is_number());
   if (answer["lost_at"].is_number()) CHECK_BETWEEN(answer["lost_at"], 0.3, 2);
+  for (const Json& row : answer["error_at"]) {
+    if (row["t"] > answer["lost_at"]) CHECK(row["convergence"] != "settled" && row["turn_convergence"] != "settled");
+  }
 }
 
 }  // namespace

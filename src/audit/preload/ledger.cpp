@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "audit/preload/axes.hpp"
+#include "audit/preload/softness.hpp"
 
 namespace odeval::audit {
 namespace {
@@ -292,6 +293,25 @@ void each_axis(const dContact& contact, const dReal* force, double normal, const
 
 }  // namespace
 
+namespace {
+
+/// s, in which a contact stops masses that approach: that of its damper or, where it has hardly one, of its spring.
+double stopping_time(const Touch& touch, Softness its, dReal h) {
+  double inverse_mass = 0;
+  for (const int side : {0, 1}) {
+    dBodyID body = dJointGetBody(touch.id, side);
+    if (body == nullptr || dBodyIsKinematic(body) != 0) continue;
+    dMass mass;
+    dBodyGetMass(body, &mass);
+    inverse_mass += 1 / mass.mass;
+  }
+  const double by_damper = its.cfm / (inverse_mass * (1 - its.erp));
+  const double by_spring = std::sqrt(h * its.cfm / (inverse_mass * its.erp));
+  return std::min(by_damper, by_spring);
+}
+
+}  // namespace
+
 void Ledger::take(World& world, Touch& touch, dReal h) {
   std::array<std::size_t, 2> hints{};
   const Acting acting(world, touch.id, hints);
@@ -305,7 +325,10 @@ void Ledger::take(World& world, Touch& touch, dReal h) {
   const auto numbers = acting.numbers();
   Pair& pair = pair_of(numbers[0], numbers[1]);
   if (pair.part == nullptr) return;
-  if (!pair.touches) touching_.push_back(&pair);
+  if (!pair.touches) {  // one of its contacts is enough: they have what the two are made of
+    touching_.push_back(&pair);
+    stopping_s_ = std::min(stopping_s_, stopping_time(touch, softness_of(touch.contact.surface, world.id), h));
+  }
   pair.touches = true;
   PartSample& part = *pair.part;
   const double normal = std::fabs(dot(acting.forces->f1, touch.contact.geom.normal));

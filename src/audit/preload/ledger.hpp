@@ -3,7 +3,9 @@
 #include <ode/ode.h>
 
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -42,7 +44,10 @@ class Ledger {
   void draw_space(dSpaceID space);
 
   /// Of the step that was taken.
-  void add_work(Head& head) { rows_.add_to(head); }
+  void add_work(Head& head) {
+    rows_.add_to(head);
+    if (std::isfinite(stopping_s_)) head.contact_s = stopping_s_;
+  }
 
   /// Whether some joint, pair or geom had no room.
   bool overflowed() const { return overflowed_; }
@@ -69,7 +74,8 @@ class Ledger {
   std::unordered_map<std::uint64_t, Pair> pairs_;
   std::uint64_t last_key_ = 0;
   Pair* last_pair_ = nullptr;
-  std::vector<Pair*> touching_;  // in this step
+  std::vector<Pair*> touching_;                                  // in this step
+  double stopping_s_ = std::numeric_limits<double>::infinity();  // Head::contact_s
   bool overflowed_ = false;
 };
 

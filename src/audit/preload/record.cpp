@@ -54,7 +54,7 @@ void Record::remark(Remark remark) {
 
 void Record::name(const char* kind, std::uint32_t number, const char* name) {
   if (head() == nullptr) return;
-  std::string line = std::string(kind) + ' ' + std::to_string(number) + ' ' + name;
+  std::string line = std::string(kind) + ' ' + std::to_string(number) + ' ' + (name == nullptr ? "" : name);
   std::replace_if(
       line.begin(), line.end(), [](unsigned char letter) { return letter < ' '; }, ' ');
   line += '\n';

@@ -49,6 +49,7 @@ struct Head {
   double besides;
   std::uint64_t messages;   // of ODE
   double gravity[3];        // m/s², of the first world that steps, before it does
+  double contact_s;         // shortest time in which a contact's damper, or spring, stops what it holds; 0: none
   char first_message[256];  // of ODE; empty: none
   char last_words[256];     // of ODE before it aborts; empty: none
 };

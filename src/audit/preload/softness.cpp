@@ -73,6 +73,11 @@ Softness at_part_of_step(Softness at_h, int k) {
   return sum > 0 ? Softness{part / sum, at_h.cfm / sum} : at_h;
 }
 
+Softness softness_of(const dSurfaceParameters& surface, dWorldID world) {
+  return {(surface.mode & dContactSoftERP) != 0 ? surface.soft_erp : dWorldGetERP(world),
+          (surface.mode & dContactSoftCFM) != 0 ? surface.soft_cfm : dWorldGetCFM(world)};
+}
+
 void soften(dSurfaceParameters& surface, Softness world, int k) {
   const bool own_erp = (surface.mode & dContactSoftERP) != 0;
   const bool own_cfm = (surface.mode & dContactSoftCFM) != 0;

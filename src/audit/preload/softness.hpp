@@ -15,6 +15,9 @@ struct Softness {
 };
 Softness at_part_of_step(Softness at_h, int k);
 
+/// Of a contact: its own, or the world's.
+Softness softness_of(const dSurfaceParameters& surface, dWorldID world);
+
 /// A contact's own, where it has one; what it has none of is the world's.
 void soften(dSurfaceParameters& surface, Softness world, int k);
 
