@@ -131,21 +131,21 @@ struct StepRow {
 
 /// A joint of the unchanged run, or all contacts between two bodies: what it came to at most.
 struct JointSummary {
-  std::string kind;            // "hinge", "contact"
-  std::uint32_t number = 0;    // of a joint, from 1 in order of creation; 0: contacts
-  std::uint32_t bodies[2]{};   // from 1; 0: the world
-  std::uint64_t steps = 0;     // that it was there
-  double largest_m = 0;        // gap, or depth of a contact
-  double largest_t_s = 0;      // when
-  double force_N = 0;          // the largest on a body, of a contact the normal one
-  double torque_Nm = 0;        // likewise, about the body's centre
-  double work_J = 0;           // of all of it on both bodies
-  double motor_work_J = 0;     // of its motors and stops alone
-  std::uint64_t at_limit = 0;  // steps in which a motor's force was what it may be at most
-  std::uint64_t at_stop = 0;   // steps that ended at a stop or beyond
-  double friction_share = 0;   // the largest of what friction may be, of all contacts between the two in a step
-  std::uint64_t sliding = 0;   // steps with all of it
-  std::uint64_t rough = 0;     // steps with a limit to friction
+  std::string kind;                         // "hinge", "contact"
+  std::uint32_t number = 0;                 // of a joint, from 1 in order of creation; 0: contacts
+  std::uint32_t bodies[2]{};                // from 1; 0: the world
+  std::uint64_t steps = 0;                  // that it was there
+  double largest_m = 0;                     // gap, or depth of a contact; NaN: not followed, of this kind of joint
+  double largest_t_s = 0;                   // when
+  double force_N = 0;                       // the largest on a body, of a contact the normal one
+  double torque_Nm = 0;                     // likewise, about the body's centre
+  double work_J = 0;                        // of all of it on both bodies
+  double motor_work_J = 0;                  // of its motors and stops alone; NaN: not followed
+  std::optional<std::uint64_t> at_limit{};  // steps in which a motor's force was what it may be at most; none: likewise
+  std::optional<std::uint64_t> at_stop{};   // steps that began at a stop or beyond; none: likewise
+  double friction_share = 0;  // the largest of what friction may be, of all contacts between the two in a step
+  std::uint64_t sliding = 0;  // steps with all of it
+  std::uint64_t rough = 0;    // steps with a limit to friction
 };
 
 /// Errors of the refined runs until a time.

@@ -19,28 +19,54 @@ Work work_of(const Account& account) {
           account.work_contacts, account.work_damping, account.work_program};
 }
 
-/// Of ODE's kinds of joints, in their order.
-const char* joint_kind(std::uint32_t type) {
-  constexpr std::array kinds{"none",   "ball",  "hinge",  "slider",      "contact",      "universal",
-                             "hinge2", "fixed", "null",   "amotor",      "lmotor",       "plane2d",
-                             "pr",     "pu",    "piston", "double ball", "double hinge", "transmission"};
-  return type < kinds.size() ? kinds[type] : "joint";
+/// Of joints, and what the ledger tells of them.
+struct Kind {
+  const char* name;
+  bool gap = true;
+  bool motor_work = true;
+  bool limits = true;        // of its motors and stops
+  bool gap_to_world = true;  // false where it would be a small turn, far from the world's origin
+};
+/// ODE's, in their order.
+Kind kind_of(std::uint32_t type) {
+  constexpr std::array kinds{Kind{"none"},
+                             Kind{"ball"},
+                             Kind{"hinge"},
+                             Kind{"slider", true, true, true, false},
+                             Kind{"contact"},
+                             Kind{"universal"},
+                             Kind{"hinge2", false},
+                             Kind{"fixed", true, true, true, false},
+                             Kind{"null"},
+                             Kind{"amotor", false, true, false},
+                             Kind{"lmotor", false, true, false},
+                             Kind{"plane2d", false, false, false},
+                             Kind{"pr", false, false, false},
+                             Kind{"pu", false, false, false},
+                             Kind{"piston", false, false, false},
+                             Kind{"double ball", false},
+                             Kind{"double hinge", false},
+                             Kind{"transmission", false}};
+  return type < kinds.size() ? kinds[type] : Kind{"joint", false, false, false};
 }
 constexpr std::uint32_t contact_type = 4;
 
 JointSummary summary_of(const PartSample& part) {
-  return {.kind = joint_kind(part.type),
+  const Kind kind = kind_of(part.type);
+  const bool has_gap = kind.gap && (kind.gap_to_world || (part.bodies[0] != 0 && part.bodies[1] != 0));
+  const auto steps = [&kind](std::uint64_t number) { return kind.limits ? std::optional(number) : std::nullopt; };
+  return {.kind = kind.name,
           .number = part.type == contact_type ? 0 : part.number + 1,
           .bodies = {part.bodies[0], part.bodies[1]},
           .steps = part.steps,
-          .largest_m = part.largest_m,
-          .largest_t_s = part.largest_t,
+          .largest_m = has_gap ? part.largest_m : NAN,
+          .largest_t_s = has_gap ? part.largest_t : NAN,
           .force_N = part.force,
           .torque_Nm = part.torque,
           .work_J = part.work,
-          .motor_work_J = part.motor_work,
-          .at_limit = part.steps_at_limit,
-          .at_stop = part.steps_at_stop,
+          .motor_work_J = kind.motor_work ? part.motor_work : NAN,
+          .at_limit = steps(part.steps_at_limit),
+          .at_stop = steps(part.steps_at_stop),
           .friction_share = part.friction_share,
           .sliding = part.steps_sliding,
           .rough = part.steps_rough};

@@ -325,11 +325,14 @@ class Judge {
     find_steps();
   }
 
-  /// At the end alone: in an impact that comes later energies differ for a moment.
+  /// At the end alone: in an impact that comes later energies differ for a moment. Where the motion is lost by then,
+  /// they are of other motions, and their agreement is chance.
   Estimate energy_error() const {
     Spread spread(records_.refinements);
     if (!energies_.empty()) spread.add(energies_.data(), 1, 1);
-    return spread.error(0);
+    Estimate its = spread.error(0);
+    if (answer_.lost_at_s) its.convergence = Convergence::none;
+    return its;
   }
 
   /// What hardly moves is not lost by moving otherwise: less than a millimetre and half a degree are never a loss.

@@ -83,9 +83,9 @@ Action attach_audit(Flags& flags) {
                   "step comes from the clock repeats")
       .one_of({"wall", "simulated"})
       .capture_default_str();
-  Flag tick = flags.add_option("--tick", options->tick_s,
-                               "seconds that the simulated clock goes on from one reading to the next without a step "
-                               "between; default: 1/60");
+  Flag tick =
+      flags.add_option("--tick", options->tick_s,
+                       "seconds that the simulated clock goes on from one reading to the next at least; default: 1/60");
   tick.type_name("S").check(number_within(1e-9, 1e3));
   flags.add_option("--until", options->until_s, "simulated time after which the program is ended")
       .type_name("T")

@@ -19,6 +19,7 @@
 #include "catalogue/versions.hpp"
 #include "cli/audit_pictures.hpp"
 #include "cli/progress.hpp"
+#include "cli/readable.hpp"
 #include "cli/settings.hpp"
 #include "odeval/audit.hpp"
 #include "odeval/error.hpp"
@@ -201,7 +202,7 @@ class Audit {
 
   /// Of each record: those of all runs that there may be share the room.
   double most_bytes() const {
-    constexpr std::size_t usual = 12;  // two unchanged, one moved, one with numbers, and at most eight tried
+    constexpr std::size_t usual = 14;  // one unchanged, one moved, one with numbers, and at most eleven tried
     return std::floor(1e9 * options_.records_gb / static_cast<double>(usual + refinements_.size() + asked().size()));
   }
 
@@ -238,13 +239,22 @@ class Audit {
     return run::run_pool(work, plan, take, {.processes = options_.jobs, .passed = {}});
   }
 
+  /// A number may be written in several ways: cfm=1e-5, cfm=0.00001.
+  static std::string in_one_way(const std::string& set) {
+    const std::size_t value = set.find('=') + 1;
+    char* end = nullptr;
+    const double number = std::strtod(set.c_str() + value, &end);
+    const bool is_number = end != set.c_str() + value && *end == '\0';
+    return is_number ? set.substr(0, value) + number_text(number) : set;
+  }
+
   /// What was asked for, each once.
   std::vector<std::string> asked() const {
     std::vector<std::string> sets;
     const auto add = [&sets](const std::string& set) {
       if (std::ranges::find(sets, set) == sets.end()) sets.push_back(set);
     };
-    for (const std::string& set : options_.tries) add(set);
+    for (const std::string& set : options_.tries) add(in_one_way(set));
     if (options_.accurate) add(accurately);
     return sets;
   }
@@ -437,6 +447,9 @@ class Audit {
       if (i == 0 && run.has(audit::several_processes)) {
         answer.limits.push_back("several processes of the program step: the audit is of the first");
       }
+      if (i == 0 && run.has(audit::steps_in_vain)) {
+        answer.limits.emplace_back("ODE had no memory for some steps and did not take them: dWorldStep returned 0");
+      }
       if (i == 0 && run.has(audit::pool_of_threads)) {
         answer.limits.emplace_back("ODE takes its steps with several threads: it may repeat now, and not another time");
       }
@@ -478,6 +491,7 @@ int run_audit(const AuditOptions& options) {
     std::cerr << fmt::format("odeval: stopped by {}\n", ::strsignal(signal));
     return 128 + signal;
   }
+  make_readable(answer);
   audit.write(answer);
   if (options.json) {
     std::cout << audit_json(answer);

@@ -19,9 +19,9 @@ using audit::Convergence;
 using audit::ErrorUntil;
 using audit::Estimate;
 
-// So that all is at most 25 lines.
+constexpr std::size_t most_lines = 25;
+// So that there is room for a limit, and for how many more there are.
 constexpr std::size_t most_rows = 5;  // of errors
-constexpr std::size_t most_limits = 3;
 constexpr std::size_t most_tried = 4;
 
 std::string count(std::uint64_t number, const char* one, const char* many) {
@@ -276,9 +276,9 @@ std::string joints_line(const Answer& answer) {
                                 answer.gap.largest_m, answer.gap.t_s));
   }
   const auto motor = std::ranges::max_element(answer.joint_summaries, {}, &audit::JointSummary::at_limit);
-  if (motor != answer.joint_summaries.end() && motor->at_limit > 0) {
+  if (motor != answer.joint_summaries.end() && motor->at_limit.value_or(0) > 0) {
     words.push_back(fmt::format("the motor of {} is at its limit in {} of its steps", joint_name(answer, motor->number),
-                                percent(motor->at_limit, motor->steps)));
+                                percent(*motor->at_limit, motor->steps)));
   }
   return fmt::format("{}", fmt::join(words, "; "));
 }
@@ -343,9 +343,14 @@ std::string audit_text(const Answer& answer) {
     text += fmt::format("{:<9}  {}, the first at {:.4g} s: {}\n", "ODE says",
                         count(answer.messages, "message", "messages"), answer.first_message_t_s, answer.first_message);
   }
-  for (std::size_t i = 0; i < std::min(answer.limits.size(), most_limits); ++i) {
+  const auto lines = static_cast<std::size_t>(std::ranges::count(text, '\n'));
+  const std::size_t room = most_lines - std::min(most_lines, lines);
+  const std::size_t told = answer.limits.size() <= room ? answer.limits.size() : room - std::min<std::size_t>(room, 1);
+  for (std::size_t i = 0; i < told; ++i) {
     text += fmt::format("{:<9}  {}\n", i == 0 ? "limits" : "", answer.limits[i]);
   }
+  if (told < answer.limits.size())
+    text += fmt::format("{:<9}  and {} more on the page\n", "", answer.limits.size() - told);
   return text;
 }
 

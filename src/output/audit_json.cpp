@@ -24,7 +24,7 @@ Json joint_json(const audit::JointSummary& joint) {
                {"bodies", {joint.bodies[0], joint.bodies[1]}},
                {"steps", joint.steps},
                {is_contact ? "depth" : "gap", json_or_null(joint.largest_m)},
-               {"at", json_or_null(joint.largest_t_s)},
+               {"at", std::isnan(joint.largest_m) ? Json() : json_or_null(joint.largest_t_s)},
                {"force", json_or_null(joint.force_N)},
                {"work", json_or_null(joint.work_J)}};
   if (is_contact) {
@@ -35,8 +35,8 @@ Json joint_json(const audit::JointSummary& joint) {
   json["joint"] = joint.number;
   json["torque"] = json_or_null(joint.torque_Nm);
   json["motor_work"] = json_or_null(joint.motor_work_J);
-  json["steps_at_limit"] = joint.at_limit;
-  json["steps_at_stop"] = joint.at_stop;
+  json["steps_at_limit"] = joint.at_limit ? Json(*joint.at_limit) : Json();
+  json["steps_at_stop"] = joint.at_stop ? Json(*joint.at_stop) : Json();
   return json;
 }
 
@@ -204,7 +204,7 @@ std::string audit_json(const Answer& answer) {
   json["joint_names"] = names_json(answer.joint_names);
   json["runs"] = runs_json(answer);
   json["limits"] = answer.limits;
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 AuditSteps::AuditSteps(const std::filesystem::path& file) : file_(file) {

@@ -214,11 +214,13 @@ Content joints(const Answer& answer) {
   Table table{.name = "joints",
               .columns = {"joint", "kind", "gap, m", "at t, s", "force, N", "torque, N m", "work, J", "of motors, J",
                           "steps at its limit", "steps at a stop"}};
+  const auto cell = [](double number) { return std::isnan(number) ? Cell(Missing{"not followed"}) : Cell(number); };
+  const auto steps = [&](const std::optional<std::uint64_t>& of) { return cell(of ? static_cast<double>(*of) : NAN); };
   for (const JointSummary& joint : answer.joint_summaries) {
     if (joint.number == 0) continue;
-    table.rows.push_back({joint_name(answer, joint.number), joint.kind, joint.largest_m, joint.largest_t_s,
-                          joint.force_N, joint.torque_Nm, joint.work_J, joint.motor_work_J,
-                          static_cast<double>(joint.at_limit), static_cast<double>(joint.at_stop)});
+    table.rows.push_back({joint_name(answer, joint.number), joint.kind, cell(joint.largest_m), cell(joint.largest_t_s),
+                          joint.force_N, joint.torque_Nm, joint.work_J, cell(joint.motor_work_J), steps(joint.at_limit),
+                          steps(joint.at_stop)});
   }
   return {{}, {Figure{.name = "gaps", .panels = {std::move(panel)}}, std::move(table)}};
 }

@@ -1,6 +1,7 @@
 // The page of an audit: it says what the answer says, leaves out what there is none of, and shows nothing that is no
 // number.
 //   audit_page_test [FILE]   also writes the page, to look at
+#include <algorithm>
 #include <cmath>
 #include <regex>
 
@@ -144,6 +145,38 @@ void says_no_more_than_is_known() {
   CHECK(has(audit_text(answer), "0.296 ± 0.3"));  // rounded: 0.29
 }
 
+/// All that there can be to say at once is 25 lines, and how many limits there are besides is said.
+void says_it_in_25_lines() {
+  Answer answer = some_answer();
+  while (answer.error_at.size() < 6) answer.error_at.push_back(answer.error_at.front());
+  answer.diverged = audit::Parting{1900, 1.9, 1};
+  answer.growth = 5;
+  answer.softness_m = 1;
+  answer.messages = 1;
+  answer.first_message = "LCP";
+  answer.limits = {"one", "two"};
+  const auto lines = [](const std::string& text) { return std::ranges::count(text, '\n'); };
+  const std::string whole = audit_text(answer);
+  CHECK_EQUAL(lines(whole), 25);
+  for (const auto& [name, what] : audit_lines(answer)) CHECK(has(whole, name + "  ") && has(whole, what));
+  CHECK_EQUAL(audit_lines(answer).size(), 12U);  // all that there are
+  CHECK(has(whole, "limits     one\n           two\n") && !has(whole, "more on the page"));
+  answer.limits = {"one", "two", "three", "four"};
+  const std::string cut = audit_text(answer);
+  CHECK_EQUAL(lines(cut), 25);
+  CHECK(has(cut, "limits     one\n           and 3 more on the page\n") && !has(cut, "two"));
+}
+
+/// What is not followed of a kind of joint is no 0.
+void tells_what_is_not_followed() {
+  Answer answer = some_answer();
+  answer.joint_summaries[0] = {.kind = "pr", .number = 1, .largest_m = NAN, .motor_work_J = NAN};
+  const std::string json = audit_json(answer);
+  for (const char* key : {"gap", "motor_work", "steps_at_limit", "steps_at_stop"})
+    CHECK(has(json, std::string("\"") + key + "\": null"));
+  CHECK(has(page_of(answer).html, "not followed"));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -154,5 +187,7 @@ int main(int argc, char** argv) {
   if (report::gnuplot_version().starts_with("gnuplot ")) CHECK_EQUAL(page.missing.size(), 0U);
   leaves_out_what_there_is_none_of();
   says_no_more_than_is_known();
+  says_it_in_25_lines();
+  tells_what_is_not_followed();
   return test::verdict();
 }

@@ -120,6 +120,7 @@ void make() {
     odeval_name(dBodyCreate(world), "the other");
     odeval_name(dBodyCreate(world), nullptr);
   }
+  if (is("latin-name")) odeval_name(ball, "Fu\xdf");
 }
 
 void shout() {
@@ -150,6 +151,10 @@ void go_wrong() {
   if (is("quick-exit")) ::_exit(4);
   if (is("nan")) dBodyAddForce(ball, dReal(0) / dReal(0), 0, 0);
   if (is("nan-place")) dBodySetPosition(lost, dReal(0) / dReal(0), 0, 0);
+  if (is("latin-complaint")) {
+    std::fputs("zu gro\xdf\n", stderr);
+    std::exit(3);
+  }
   if (is("hang")) {
     for (;;) ::pause();
   }

@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include "audit/judge.hpp"
+#include "audit/recording.hpp"
 #include "tests/check.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -83,8 +84,9 @@ void a_motor_lifts() {
   CHECK_NEAR(answer.work.joints, 0.0, 1e-12);
   const audit::JointSummary& slider = answer.joint_summaries.at(0);
   CHECK_EQUAL(slider.kind, "slider");
-  CHECK_EQUAL(slider.at_limit, static_cast<std::uint64_t>(0.5 / ((15 - g) * h)));
+  CHECK_EQUAL(slider.at_limit.value_or(0), static_cast<std::uint64_t>(0.5 / ((15 - g) * h)));
   CHECK_NEAR(slider.force_N, 15.0, 1e-9);
+  CHECK(std::isnan(slider.largest_m));  // to the world: not followed
   CHECK_NEAR(slider.motor_work_J, answer.work.motors, 1e-12);
 }
 
@@ -101,7 +103,7 @@ void a_joint_takes_what_is_gone() {
 // the joints is of the order of h: 1.7e-4 of it measured, and 0.02 where the bodies' motion is counted wrongly.
 void motors_that_turn_with_their_bodies() {
   const audit::Answer answer = recorded("crane", "0.5");
-  for (std::size_t i = 0; i < 3; ++i) CHECK_EQUAL(answer.joint_summaries.at(i).at_limit, 500U);
+  for (std::size_t i = 0; i < 3; ++i) CHECK_EQUAL(answer.joint_summaries.at(i).at_limit.value_or(0), 500U);
   CHECK_BETWEEN(answer.work.motors, 1, 100);
   CHECK_BETWEEN(std::fabs(answer.work.joints) / answer.work.motors, 0, 1e-3);
   CHECK_BETWEEN(std::fabs(of_step(answer)) / answer.work.motors, 0, 0.01);
@@ -138,6 +140,19 @@ void damping_takes_its_part() {
   CHECK_NEAR(answer.work.contacts + answer.work.joints + answer.work.added, 0.0, 1e-12);
 }
 
+void what_is_slow_is_not_damped() { CHECK_EQUAL(recorded("too_slow", "0.1").work.damping, 0.0); }
+
+// What a joint lets its bodies do is no gap; bodies without weight have no energy of gravity.
+void gaps_are_across() {
+  const audit::Answer answer = recorded("apart", "0.01");
+  CHECK_EQUAL(answer.energy.begin_J, 0.0);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const audit::JointSummary& joint = answer.joint_summaries.at(i);
+    CHECK_NEAR(joint.largest_m, 0.1 + 0.01 * static_cast<double>(i), 1e-9);
+    CHECK_NEAR(joint.largest_t_s, 5 * h, 1e-9);
+  }
+}
+
 // A controller's torque takes the arm from rest to rest 0.12 rad lower: the gravity that is gone, m g dz.
 void a_controller_takes_what_is_gone() {
   const audit::Answer answer = recorded("arm", "3");
@@ -149,6 +164,8 @@ void a_controller_takes_what_is_gone() {
 void a_ball_comes_to_rest() {
   const audit::Answer answer = recorded("bouncing_ball", "5");
   CHECK_NEAR(answer.work.contacts, -g, 1e-6);
+  const double fastest = std::sqrt(2 * g);
+  CHECK_BETWEEN(answer.joint_summaries.at(0).largest_m, 0.01 * fastest * h, fastest * h);  // what it falls in a step
 }
 
 // What the program sets by hand is its own, and what is left to the step is gravity's error, m g^2 h t / 2, of the one
@@ -175,6 +192,47 @@ void two_worlds_part_at_a_step_of_one() {
   CHECK_NEAR(parting.value_or(audit::Parting{}).t_s, 0.201, 1e-9);
 }
 
+// A universal from the world to a body: what its motor does is the motor's, about the axis that the parameters are of.
+// All of it is in the boxes that turn but for what the joints take, which is of the order of h.
+void motors_of_universals_turn_either_way() {
+  const audit::Answer answer = recorded("crossed", "1");
+  for (std::size_t i = 0; i < 3; ++i) {
+    const audit::JointSummary& joint = answer.joint_summaries.at(i);
+    CHECK_EQUAL(joint.at_limit.value_or(0), 1000U);  // a step at most counts once
+    CHECK_NEAR(joint.motor_work_J, joint.work_J, 0.01 * std::fabs(joint.work_J) + 1e-4);
+  }
+  CHECK_NEAR(answer.joint_summaries[0].work_J, answer.joint_summaries[1].work_J, 1e-9);
+  CHECK(answer.joint_summaries[0].work_J > 0.1);
+  CHECK(answer.joint_summaries[2].at_stop.value_or(0) > 300);
+  CHECK_EQUAL(answer.joint_summaries.at(3).at_limit.value_or(0), 1000U);  // one of two axes, or both
+}
+
+// Of kinds whose motors and gaps are not followed nothing is told, rather than 0.
+void what_is_not_followed_is_not_told() {
+  const audit::Answer answer = recorded("soft_stops", "0.1");
+  for (const audit::JointSummary& joint : answer.joint_summaries) {
+    const bool is_motor = joint.kind == "amotor";
+    const bool is_other = joint.kind == "piston" || joint.kind == "pr" || joint.kind == "pu";
+    CHECK_EQUAL(joint.at_limit.has_value(), !is_motor && !is_other);
+    CHECK_EQUAL(joint.at_stop.has_value(), !is_motor && !is_other);
+    CHECK_EQUAL(std::isnan(joint.motor_work_J), is_other);
+    CHECK_EQUAL(std::isnan(joint.largest_m), is_motor || is_other || joint.kind == "hinge2");
+  }
+}
+
+// What a record begins with is of the world that steps, not of one that was made before.
+void the_head_is_of_the_world_that_steps() {
+  const test::TemporaryFolder folder;
+  const std::string record = (folder.path() / "record").string();
+  record_to(record, "second_only", "0.1");
+  const audit::Recording recording(record);
+  CHECK(recording.head() != nullptr);
+  if (recording.head() == nullptr) return;
+  CHECK_EQUAL(recording.head()->erp, 0.3);
+  CHECK_EQUAL(recording.head()->gravity[2], -3.0);
+  CHECK_EQUAL(recording.head()->refinement, 1U);
+}
+
 }  // namespace
 
 int main() {
@@ -184,8 +242,13 @@ int main() {
   a_motor_lifts();
   a_joint_takes_what_is_gone();
   motors_that_turn_with_their_bodies();
+  motors_of_universals_turn_either_way();
+  what_is_not_followed_is_not_told();
+  the_head_is_of_the_world_that_steps();
   a_free_box_keeps_its_energy();
   damping_takes_its_part();
+  what_is_slow_is_not_damped();
+  gaps_are_across();
   a_controller_takes_what_is_gone();
   a_ball_comes_to_rest();
   what_is_set_by_hand_is_the_programs();

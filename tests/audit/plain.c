@@ -240,6 +240,32 @@ static void pressed(void) {
   }
 }
 
+/* Two boxes that float on a universal, one of which hangs from the world, the other has the world on it; each is turned
+ * about the axis that its first parameters are of, and a third is pressed on a stop there. */
+static void crossed(void) {
+  for (int i = 0; i < 3; ++i) {
+    dBodyID body = float_at(5 * i + 0.5, 0, 1);
+    dJointID cross = dJointCreateUniversal(world, 0);
+    dJointAttach(cross, i == 0 ? body : 0, i == 0 ? 0 : body);
+    dJointSetUniversalAnchor(cross, 5 * i, 0, 1);
+    dJointSetUniversalAxis1(cross, 0, i == 0, i != 0);
+    dJointSetUniversalAxis2(cross, 0, i != 0, i == 0);
+    dJointSetUniversalParam(cross, dParamVel, i == 2 ? -100 : 100);
+    dJointSetUniversalParam(cross, dParamFMax, 0.3);
+    if (i == 2) soften(cross, dJointSetUniversalParam, 1);
+  }
+  /* Motors on both axes, which both are always at their limits. */
+  dJointID both = dJointCreateUniversal(world, 0);
+  dJointAttach(both, float_at(15.5, 0, 1), 0);
+  dJointSetUniversalAnchor(both, 15, 0, 1);
+  dJointSetUniversalAxis1(both, 0, 1, 0);
+  dJointSetUniversalAxis2(both, 0, 0, 1);
+  dJointSetUniversalParam(both, dParamVel, 100);
+  dJointSetUniversalParam(both, dParamFMax, 0.01);
+  dJointSetUniversalParam(both, dParamVel2, 100);
+  dJointSetUniversalParam(both, dParamFMax2, 0.01);
+}
+
 /* Every kind of joint with stops, soft ones, each with a weight of its own that gets to them. */
 static void soft_stops(void) {
   dWorldSetERP(world, erp());
@@ -318,7 +344,46 @@ static void damped(void) {
   dBodySetAngularVel(bodies[0], 0, 3, 4);
 }
 
-/* A ball that damping slows: its velocity is averaged over 10 ms, and slow for 50 ms it is put to sleep, 0.11 m early. */
+/* The same, slower than what damping asks for. */
+static void too_slow(void) {
+  damped();
+  dBodySetLinearDampingThreshold(bodies[0], 1e3);
+  dBodySetAngularDampingThreshold(bodies[0], 1e3);
+}
+
+/* Bodies without weight, that no ERP takes back: a hinge, a ball, a universal and a slider, all of which the program
+ * opens, the latter by as much across its axis, and by more along it. */
+static void open_joints(void) {
+  static long steps = 0;
+  if (++steps != 5) return;
+  for (int i = 0; i < 4; ++i) {
+    const dReal* at = dBodyGetPosition(bodies[i]);
+    dBodySetPosition(bodies[i], at[0] + (i == 3 ? 0.3 : 0), at[1], at[2] + 0.1 + 0.01 * i);
+  }
+}
+static void apart(void) {
+  dWorldSetERP(world, 0);
+  for (int i = 0; i < 5; ++i) float_at(5 * i + 0.5, 0, 1);
+  dJointID hinge = dJointCreateHinge(world, 0);
+  dJointAttach(hinge, bodies[0], 0);
+  dJointSetHingeAnchor(hinge, 0, 0, 1);
+  dJointSetHingeAxis(hinge, 0, 1, 0);
+  dJointID ball = dJointCreateBall(world, 0);
+  dJointAttach(ball, bodies[1], 0);
+  dJointSetBallAnchor(ball, 5, 0, 1);
+  dJointID cross = dJointCreateUniversal(world, 0);
+  dJointAttach(cross, bodies[2], 0);
+  dJointSetUniversalAnchor(cross, 10, 0, 1);
+  dJointSetUniversalAxis1(cross, 0, 1, 0);
+  dJointSetUniversalAxis2(cross, 0, 0, 1);
+  dJointID slider = dJointCreateSlider(world, 0);
+  dJointAttach(slider, bodies[3], bodies[4]);
+  dJointSetSliderAxis(slider, 1, 0, 0);
+  control = open_joints;
+}
+
+/* A ball that damping slows: its velocity is averaged over 10 ms, and slow for 50 ms it is put to sleep, 0.11 m early.
+ */
 static unsigned samples(void) { return (unsigned)lround(0.01 / h); }
 static void tired(void) {
   damped();
@@ -364,6 +429,31 @@ static void feeling(void) {
   control = push_as_felt;
 }
 
+/* The same link, left alone, which ends the program if what its hinge was felt to do, with its weight, is not what its
+ * momentum changed by: in ODE it is, to rounding, whatever the step. */
+static void weigh_what_was_felt(void) {
+  static int looked = 0;
+  static dReal before[3], turned_before;
+  const dReal* v = dBodyGetLinearVel(bodies[0]);
+  const dReal turned = dBodyGetAngularVel(bodies[0])[0]; /* about the hinge's axis */
+  dVector3 gravity;
+  dWorldGetGravity(world, gravity);
+  dMass mass;
+  dBodyGetMass(bodies[0], &mass);
+  for (int i = 0; i < 3; ++i) {
+    const double left = mass.mass * (v[i] - before[i] - h * gravity[i]) - h * felt.f1[i];
+    if (looked && fabs(left) > 1e-12) exit(4);
+    before[i] = v[i];
+  }
+  if (looked && fabs(mass.I[0] * (turned - turned_before) - h * felt.t1[0]) > 1e-12) exit(4);
+  turned_before = turned;
+  looked = 1;
+}
+static void weighing(void) {
+  feeling();
+  control = weigh_what_was_felt;
+}
+
 static dJointFeedback touched[8];
 static int touches;
 static void push_as_touched(void) {
@@ -379,6 +469,35 @@ static void touchy(void) {
   bouncing_ball();
   bounce = 0;
   control = push_as_touched;
+}
+
+/* A box that rests on four contacts, all of which are felt at one place, pushed by a part of that. */
+static void push_as_touched_last(void) {
+  dBodyAddForce(bodies[0], 0.2 * touched[0].f1[2], 0, 0);
+  touches = 0;
+}
+static void shared(void) {
+  dCreatePlane(space, 0, 0, 1, 0);
+  make_box(add(0, 0, 0.05), 1, 0.4, 0.4, 0.1);
+  control = push_as_touched_last;
+}
+
+/* Of a heavy plate and a ball on it, that floats but for the force that presses it down, what the second of the two
+ * feels: it is pushed along by a part of it, and of the torque that it feels another way. */
+static void push_as_the_second_touched(void) {
+  double force = 0, torque = 0;
+  for (int i = 0; i < touches; ++i) force += touched[i].f2[2], torque += touched[i].t2[1];
+  dBodyAddForce(bodies[0], 0.05 * force, 0.5 * torque, -9.81);
+  touches = 0;
+}
+static void second_touch(void) {
+  friction = 0.1;
+  dBodyID plate = dBodyCreate(world); /* in the space before the ball */
+  dBodySetGravityMode(plate, 0);
+  make_box(plate, 1000, 4, 4, 0.1);
+  make_ball(add(0, 0, 0.15), 1, 0.1);
+  dBodySetGravityMode(bodies[0], 0);
+  control = push_as_the_second_touched;
 }
 
 static dBodyID fly(double speed) {
@@ -419,6 +538,16 @@ static void two_worlds(void) {
   control = step_the_second;
 }
 
+/* A world that is never stepped is made before the one that is. */
+static void second_only(void) {
+  dBodyCreate(world);
+  dWorldSetGravity(world, 0, 0, -1);
+  world = dWorldCreate();
+  dWorldSetGravity(world, 0, 0, -3);
+  dWorldSetERP(world, 0.3);
+  add(0, 0, 0);
+}
+
 static void near(void* data, dGeomID one, dGeomID other) {
   (void)data;
   dContact contact[8];
@@ -443,7 +572,9 @@ static void near(void* data, dGeomID one, dGeomID other) {
     }
     dJointID touch = dJointCreateContact(world, contacts, &contact[i]);
     dJointAttach(touch, dGeomGetBody(one), dGeomGetBody(other));
-    if (control == push_as_touched && touches < 8) dJointSetFeedback(touch, &touched[touches++]);
+    if (control == push_as_touched_last) dJointSetFeedback(touch, &touched[0]);
+    if ((control == push_as_touched || control == push_as_the_second_touched) && touches < 8)
+      dJointSetFeedback(touch, &touched[touches++]);
   }
 }
 
@@ -475,6 +606,13 @@ static const struct {
     {"soft_stops", soft_stops, 0},
     {"feeling", feeling, 0},
     {"touchy", touchy, 1},
+    {"weighing", weighing, 0},
+    {"apart", apart, 0},
+    {"too_slow", too_slow, 0},
+    {"shared", shared, 1},
+    {"second_touch", second_touch, 1},
+    {"crossed", crossed, 0},
+    {"second_only", second_only, 0},
     {"by_hand", by_hand, 0},
     {"two_worlds", two_worlds, 0},
 };

@@ -1,10 +1,10 @@
 // The clock of a program whose step comes from the clock: simulated time, so that it repeats. A library of its own,
 // which is loaded beside that of the audit when that is asked for.
 //
-// A reading is the simulated time where that has gone on since the reading before, and a tick more than the reading
-// before where it has not. So a program that reads the clock n times between its steps has steps of n ticks, one that
-// steps when it is time to waits for it, and all of them the same each time. Sleeping takes no time of the machine's
-// and as much of this clock as was asked for. Only the first thread makes it go on.
+// A reading is the simulated time, but a tick more than the reading before at least. So a program that reads the clock
+// n times between its steps has steps of n ticks, one that steps when it is time to waits for it, and all of them the
+// same each time. Sleeping takes no time of the machine's and as much of this clock as was asked for. Only the first
+// thread makes it go on.
 #include <dlfcn.h>
 #include <errno.h>
 #include <pthread.h>

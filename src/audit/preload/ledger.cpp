@@ -73,11 +73,17 @@ dReal push_of(int stop, const Drive& drive, dReal velocity, dReal fudge) {
   return (up ? drive.most : -drive.most) * (leaves ? fudge : 1);
 }
 
+/// Of a universal from the world to a body ODE tells the axes and angles the other way round, but not the parameters.
+int group_of(const Joint& joint, const Axis& row) {
+  const bool other_way = row.type == dJointTypeUniversal && dJointGetBody(joint.id, 0) == nullptr;
+  return (other_way ? 1 - row.group : row.group) * dParamGroup;
+}
+
 /// Where the joint's motors and stops act in the step: with it they turn.
 void keep_drives(Joint& joint) {
   joint.drives.clear();
   for (const Axis& row : joint.axes) {
-    const auto parameter = [&](int which) { return row.parameter(joint.id, row.group * dParamGroup + which); };
+    const auto parameter = [&](int which) { return row.parameter(joint.id, group_of(joint, row) + which); };
     Drive drive{&row, parameter(dParamFMax), parameter(dParamLoStop), parameter(dParamHiStop)};
     if (!(drive.most > 0) && drive.low == -dInfinity && drive.high == dInfinity) continue;
     dBodyID first = dJointGetBody(joint.id, 0);
@@ -245,16 +251,17 @@ void Ledger::take(World& world, Joint& joint, dReal h) {
   double work = acting.work(h);
   std::uint32_t rows = rows_of(joint.type);
   double by_motors = joint.type == dJointTypeAMotor || joint.type == dJointTypeLMotor ? work : 0;
+  bool at_limit = false;
+  bool at_stop = false;
   for (const Drive& drive : joint.drives) {
     if (drive.most > 0) ++rows;
     const double force = acting.force_along(drive);
     by_motors += h * (force + drive.push) * acting.rate_along(drive);
     work += h * drive.push * acting.moving_rate_along(drive);  // of which ODE's feedback does not tell
-    if (part == nullptr) continue;
-    constexpr double rounding = 1e-6;  // of sums of forces with lever arms
+    constexpr double rounding = 1e-6;                          // of sums of forces with lever arms
     const double of_motor = drive.at_stop ? drive.push : force;
-    if (drive.most > 0 && std::fabs(of_motor) >= drive.most * (1 - rounding)) ++part->steps_at_limit;
-    if (drive.at_stop) ++part->steps_at_stop;
+    at_limit = at_limit || (drive.most > 0 && std::fabs(of_motor) >= drive.most * (1 - rounding));
+    at_stop = at_stop || drive.at_stop;
   }
   const auto [first, second] = acting.moving(world);
   rows_.add(first, second, rows);
@@ -263,6 +270,8 @@ void Ledger::take(World& world, Joint& joint, dReal h) {
   if (part == nullptr) return;
   std::ranges::copy(acting.numbers(), part->bodies);
   ++part->steps;
+  if (at_limit) ++part->steps_at_limit;
+  if (at_stop) ++part->steps_at_stop;
   part->work += work;
   part->motor_work += by_motors;
   part->force = std::max({part->force, length(acting.forces->f1), length(acting.forces->f2)});

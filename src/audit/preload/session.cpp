@@ -51,8 +51,8 @@ void move(const Body& body, double distance) {
 
 /// A joint's feedback after a step is the mean over its parts. A contact is another in each part, and the program may
 /// have ODE tell of it where it tells of no other, or where it tells of all that two bodies had: so each place gets the
-/// mean of what was told there, and what is told in all of them is the impulse of the step, over its length. A place is
-/// written only right after ODE has: later it may be gone.
+/// mean of what was told there, whichever of the contacts that have it ODE told of last, and what is told in all of
+/// them is the impulse of the step, over its length. A place is written only right after ODE has: later it may be gone.
 class Feedback {
  public:
   Feedback(World& world, int parts) : world_(world), weight_(dReal(1) / parts) {
@@ -65,9 +65,9 @@ class Feedback {
         add(joint.feedback.f2, joint.feedback.t2, now->f2, now->t2);
       }
     }
-    for (const Made& contact : world_.made) {
-      if (dJointFeedback* now = dJointGetFeedback(contact.id)) add(contact, *now);
-    }
+    told_.clear();
+    for (const Made& contact : world_.made) find_told(contact);
+    for (const auto& [place, of_second] : told_) add(*place, of_second);
   }
   void hand_over() const {
     for (const Joint& joint : world_.joints) {
@@ -77,16 +77,21 @@ class Feedback {
 
  private:
   /// What ODE tells of: nothing where both bodies are at rest, and of a second body where there is one.
-  void add(const Made& contact, dJointFeedback& now) {
+  void find_told(const Made& contact) {
+    dJointFeedback* const place = dJointGetFeedback(contact.id);
+    if (place == nullptr) return;
     dBodyID first = dJointGetBody(contact.id, 0);
     dBodyID second = dJointGetBody(contact.id, 1);
     const auto is_told = [](dBodyID body) { return body != nullptr && dBodyIsEnabled(body) != 0; };
     if (!is_told(first) && !is_told(second)) return;
+    told_[place] |= first != nullptr && second != nullptr;
+  }
+  void add(dJointFeedback& now, bool of_second) {
     dJointFeedback& mean = of_contacts_[&now];
     add(mean.f1, mean.t1, now.f1, now.t1);
     std::copy_n(mean.f1, 3, now.f1);
     std::copy_n(mean.t1, 3, now.t1);
-    if (first == nullptr || second == nullptr) return;
+    if (!of_second) return;
     add(mean.f2, mean.t2, now.f2, now.t2);
     std::copy_n(mean.f2, 3, now.f2);
     std::copy_n(mean.t2, 3, now.t2);
@@ -101,6 +106,7 @@ class Feedback {
   World& world_;
   dReal weight_;
   std::unordered_map<const dJointFeedback*, dJointFeedback> of_contacts_;  // by where it is told
+  std::unordered_map<dJointFeedback*, bool> told_;                         // in this part; of a second body as well
 };
 
 }  // namespace
@@ -205,7 +211,8 @@ void Session::end(Remark why) {
 
 void Session::describe(const World& world) {
   Head* head = record_.head();
-  if (head == nullptr || world.number != 0) return;
+  if (head == nullptr || first_world_) return;
+  first_world_ = world.number;
   head->remarks |= remarks_;
   head->refinement = static_cast<std::uint32_t>(settings_.refinement);
   dVector3 gravity;
@@ -240,7 +247,7 @@ void Session::first_step(World& world, dReal h, Stepper stepper, bool quick) {
     for (const Body& body : world.bodies) move(body, settings_.move_m);
   }
   overrides_.begin(world, h, stepper);
-  if (ledger_ && world.number == 0) {
+  if (ledger_ && world.number == first_world_) {
     collisions_.each_space([this](dSpaceID space) { ledger_->draw_space(space); });
   }
   const auto& frame = sampler_.take(world, {.quick = quick});

@@ -115,6 +115,7 @@ class Session {
   Worlds worlds_;
   Collisions collisions_;
   Sampler sampler_;
+  std::optional<std::uint32_t> first_world_;  // that steps
   int collide_depth_ = 0;
   std::uint64_t steps_ = 0;                  // of all worlds
   bool timed_ = false;                       // the next step, and the collisions for it
