@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 namespace odeval::engine_rk4 {
@@ -123,7 +124,8 @@ Eigen::VectorXd complementary_of_coupled(const Eigen::MatrixXd& a, const Eigen::
     if (worst < 0) break;
 
     const Eigen::VectorXd share = active.solve(a.col(worst));
-    const double is_new = a(worst, worst) - share.dot(a.col(worst)(active.rows()));
+    const Eigen::VectorXd with_active = a.col(worst)(active.rows());
+    const double is_new = a(worst, worst) - std::inner_product(share.begin(), share.end(), with_active.begin(), 0.0);
     if (!(is_new > dependent * a(worst, worst))) {
       // It says what the active ones say: it takes over what they push, until one of them pushes no more.
       const Stop stop = move(p, active.rows(), -share, INFINITY);
