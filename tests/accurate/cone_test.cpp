@@ -14,6 +14,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using odeval::engine_rk4::adds_energy;
+using odeval::engine_rk4::friction_work;
 using odeval::engine_rk4::hold;
 using odeval::engine_rk4::Rubbing;
 
@@ -77,12 +78,26 @@ void check_random_problems() {
   int unsolved = 0;
   for (unsigned seed = 0; seed < count; ++seed) {
     const Problem problem = random_problem(seed);
-    const VectorXd p = hold(problem.a, problem.v, problem.rubbing, VectorXd::Zero(problem.v.size()));
+    double work = friction_work;
+    const VectorXd p = hold(problem.a, problem.v, problem.rubbing, VectorXd::Zero(problem.v.size()), work);
     CHECK(!adds_energy(problem.a, problem.v, p));
     if (error(problem, p) > 1e-9) ++unsolved;
   }
   std::printf("%u random problems: %d not solved to 1e-9\n", count, unsolved);
   CHECK_BETWEEN(unsolved, 0, count / 100);
+}
+
+/// Work is counted; without any there is still an answer, that costs little and adds nothing.
+void check_work() {
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    const Problem problem = random_problem(seed);
+    double work = friction_work, none = 0;
+    const VectorXd found = hold(problem.a, problem.v, problem.rubbing, VectorXd::Zero(problem.v.size()), work);
+    CHECK(work < friction_work || found.isZero(0));  // nothing to solve where nothing closes
+    const VectorXd p = hold(problem.a, problem.v, problem.rubbing, VectorXd::Zero(problem.v.size()), none);
+    CHECK_EQUAL(none, 0.0);
+    CHECK(p.allFinite());
+  }
 }
 
 /// A rod that leans so far that sliding would press it ever harder (Painlevé): it wedges, and pushes without closing.
@@ -92,7 +107,8 @@ void check_wedge() {
   problem.a << 1.45, 0, 1.39, 0, 6.4, 0, 1.39, 0, 1.64;
   problem.v = Eigen::Vector3d(-2e-6, 0, 2.4e-3);
   problem.rubbing = {{0}, {1.06}};
-  const VectorXd p = hold(problem.a, problem.v, problem.rubbing, VectorXd::Zero(3));
+  double work = friction_work;
+  const VectorXd p = hold(problem.a, problem.v, problem.rubbing, VectorXd::Zero(3), work);
   CHECK_NEAR((problem.v + problem.a * p).norm(), 0, 1e-12);  // it stops altogether
   CHECK(p[0] > 1e-3);
 }
@@ -101,6 +117,7 @@ void check_wedge() {
 
 int main() {
   check_random_problems();
+  check_work();
   check_wedge();
   return odeval::test::verdict();
 }

@@ -137,9 +137,9 @@ class AccurateStep {
   /// Impacts of the last step, in order.
   const std::vector<Touch>& touches() const;
   /// Steps so far in which contacts crowded (impacts of more than 48 bodies and contacts in a step, but for one after
-  /// ten steps without any, and until nothing has bounced for ten steps): the rest of such a step is done by the
-  /// time-stepping scheme of Moreau and Jean, first order, with joints kept, in which impacts are not located and not
-  /// told.
+  /// ten steps without any, or more friction to solve than a counted amount of work, and until nothing has bounced for
+  /// ten steps): the rest of such a step is done by the time-stepping scheme of Moreau and Jean, first order, with
+  /// joints kept, in which impacts are not located and not told.
   std::size_t crowded_steps() const;
   /// How many it moves, and how many it keeps.
   std::size_t bodies() const;

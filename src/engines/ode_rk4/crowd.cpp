@@ -232,6 +232,7 @@ void Flight::settle_crowd(State& state, double h) {
   const State free = state;
   State bare;
   bool bounced = false;
+  work_ = friction_work;
   const bool deep = deepest_of(contacts_) > options_.start_gap;  // rest takes no deeper overlaps
   std::vector<double> depths;
   add_still(free);
@@ -242,7 +243,7 @@ void Flight::settle_crowd(State& state, double h) {
     if (bare.empty() && std::ranges::any_of(contacts_, elastic)) bare = unforced(motion_, state, h);
     std::vector<Contact> contacts = contacts_;
     bounced = judge_bounces(state, bare, contacts);
-    const Impact impact(motion_, contacts, state, motion_.late(h));
+    const Impact impact(motion_, contacts, state, work_, motion_.late(h));
     Eigen::VectorXd impulses = impact.strike(state, options_.impact_order, options_.rest_speed);
     double work = 0;
     if (impact.has_motors()) {  // against what rests then

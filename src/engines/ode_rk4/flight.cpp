@@ -45,6 +45,7 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
   struck_.clear();
   all_stopped_ = slipped_ = renewed_ = false;
   finds_ = 0;
+  work_ = friction_work;
   first_ = fresh;
   step_ = h;
   if (footholds_) footholds_->motion().prepare(h);
@@ -107,7 +108,7 @@ void Flight::fly(double h) {
       const Memory before = memory();
       hold(there_, h - t);
       // What slid and sticks is taken to the moment at which it does: first almost, then by how much that slowed it.
-      if (sticks_.share < 1 && splits++ < most_splits) {
+      if (sticks_.share < 1 && work_ > 0 && splits++ < most_splits) {
         double part = almost * sticks_.share * (h - t);
         if (splits % 2 == 0 && sticks_.slip < slip) {
           part = std::min(h - t, sticks_.slip / (slip - sticks_.slip) * last_part);
@@ -136,7 +137,7 @@ void Flight::fly(double h) {
     }
     struck += struck_at_once();
     const bool first_in_a_while = touches_.empty() && quiet_ >= calm_steps;
-    if (struck > crowd && !first_in_a_while) {
+    if ((struck > crowd && !first_in_a_while) || work_ <= 0) {
       crowd_on();
       continue;
     }
@@ -403,10 +404,9 @@ double Flight::locate(double after, double longest) {
   return let_go_ = touching;
 }
 
-/// Adds to the contacts at `there_` those that their impact closes within rounding. Returns true if there are any.
-bool Flight::add_closed_by_strike() {
-  State struck = there_;
-  strike(struck);
+/// Adds to the contacts at `there_` those that their impact, to the velocities of `struck`, closes within rounding.
+/// Returns true if there are any.
+bool Flight::add_closed_by(State struck) {
   std::vector<Twist> change(struck.size());
   double fastest = 0;
   for (std::size_t i = 0; i < struck.size(); ++i) {
@@ -440,8 +440,8 @@ bool Flight::add_to_contacts(const std::vector<Contact>& more) {
   return contacts_.size() > before;
 }
 
-void Flight::strike(State& state) const {
-  Impact(motion_, contacts_, state).strike(state, options_.impact_order, options_.rest_speed);
+void Flight::strike(State& state) {
+  Impact(motion_, contacts_, state, work_).strike(state, options_.impact_order, options_.rest_speed);
 }
 
 /// At `there_`, which becomes `here_`: the next part of the step starts from it.
@@ -451,29 +451,30 @@ void Flight::impact(double t, bool at_once, bool last) {
   std::erase_if(resting, [this](const Contact& contact) { return !rests(contact, there_); });
   const std::vector<LateMotor> motors = mover().late(let_go_);
   if (!resting.empty() || !motors.empty()) {
-    const Impact held(motion_, resting, there_, motors);
+    const Impact held(motion_, resting, there_, work_, motors);
     bounce_elastic(motion_, held, resting, let_go_, there_);
     held.stop(there_);
   }
-  const auto damp = [&] {
+  State struck;
+  std::span<Contact> striking;
+  do {
     for (Contact& contact : contacts_) {
       if (last || stopped(contact)) contact.restitution = 0;
     }
-  };
-  do damp();
-  while (add_closed_by_strike());
-  const auto rest =
-      std::ranges::stable_partition(contacts_, [this](const Contact& contact) { return !rests(contact, there_); });
-  const std::span<Contact> striking(contacts_.begin(), rest.begin());
+    const auto rest =
+        std::ranges::stable_partition(contacts_, [this](const Contact& contact) { return !rests(contact, there_); });
+    striking = {contacts_.begin(), rest.begin()};
+    struck = there_;
+    strike(struck);
+  } while (add_closed_by(struck));
   std::swap(here_, there_);
   const auto speed = [this](const Contact& contact) { return normal_speed(contact, here_); };
   const Contact& fastest = *std::ranges::min_element(striking, {}, speed);
   const std::size_t touch = touches_.size();
   touches_.push_back({t, -speed(fastest), 0, striking.size()});
   tell(options_.before_impact, touches_[touch]);
-  const State before = here_;
-  strike(here_);
-  taken_ -= gained(before, here_);
+  taken_ -= gained(here_, struck);
+  here_ = std::move(struck);
   touches_[touch].departure = speed(fastest);
   tell(options_.after_impact, touches_[touch]);
 
@@ -583,7 +584,7 @@ bool Flight::hold(State& state, double h) {
     if (first) recall(state, h);
     const bool pushed = !forces_->pushes.empty();
     const bool follows = first && (pushed || !motors.empty() || std::ranges::any_of(contacts_, &Contact::rubs));
-    const Impact impact(motion, contacts_, state, motors);
+    const Impact impact(motion, contacts_, state, work_, motors);
     const State free = state;
     bounce_elastic(motion, impact, contacts_, h, state);
     const Eigen::VectorXd impulses = impact.stop(state);

@@ -101,8 +101,8 @@ class Flight {
   const Contact* deepest(const State& at) const;
   double locate(double after, double longest);
   void impact(double t, bool at_once, bool last);
-  void strike(State& state) const;
-  bool add_closed_by_strike();
+  void strike(State& state);
+  bool add_closed_by(State struck);
   bool add_to_contacts(const std::vector<Contact>& more);
   void tell(const std::function<void(const Touch&)>& observer, const Touch& touch) const;
   bool hold(State& state, double h);
@@ -147,6 +147,7 @@ class Flight {
   double step_ = 0;                     // s, of the user's
   double let_go_ = 0;                   // s, since `here_`, at the touch located last
   Sticks sticks_;                       // in the time held last
+  double work_ = 0;                     // that friction may take yet in this step
   bool renewed_ = false;                // the crowd, in this step
   int crowded_ = 0;                     // steps that are left to the crowd's scheme if nothing bounces
   double taken_ = 0;                    // J, by contacts so far, less what ways out of overlaps gave

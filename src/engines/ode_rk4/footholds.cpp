@@ -323,7 +323,8 @@ bool Footholds::bear(const State& state, Forces& forces, double t, std::span<con
     w << needed.force, (needed.torque - (centre - state[a].pose.position).cross(needed.force)) / width;
     const Eigen::VectorXd v = -g.transpose() * w;
     const Eigen::MatrixXd response = g.transpose() * g;
-    const Eigen::VectorXd left = v + response * hold(response, v, rubbing, Eigen::VectorXd::Zero(v.size()));
+    double work = friction_work;
+    const Eigen::VectorXd left = v + response * hold(response, v, rubbing, Eigen::VectorXd::Zero(v.size()), work);
     return left.cwiseAbs().maxCoeff() <= borne * (w.cwiseAbs().maxCoeff() + no_force);
   });
 }

@@ -25,8 +25,7 @@ constexpr double agreement = 1e-10;  // of the largest impulse: soft shares are 
 constexpr int most_newtons = 20, most_softs = 4;
 constexpr double the_same = 1e-9;  // of what was left a round before: it goes round in circles
 constexpr Index most_rows = 150;
-constexpr double most_work = 5e6;  // cubes of the rows of its matrices, in one call: a millisecond or two
-constexpr int most_looks = 50;     // sweeps that bring it near enough, where where it was is not
+constexpr int most_looks = 50;  // sweeps that bring it near enough, where where it was is not
 // Of friction and normal impulses in turn: what is left after them is left to the next step, which goes on from there.
 constexpr int most_rounds = 6, most_sweeps_in_turn = 20;
 // Of friction alone, after a bounce.
@@ -45,6 +44,7 @@ bool done(double left, double last, double scale) {
 /// the pieces of which they are smooth: a contact is open, sticks or slides, a motor has its speed or is at its limit.
 class Newton {
  public:
+  /// `work` that is left.
   Newton(const MatrixXd& a, const Rubbing& rubbing, double& work) : a_(a), rubbing_(rubbing), work_(work) {}
 
   /// From p; nothing where it fails.
@@ -59,8 +59,8 @@ class Newton {
       if (std::fabs(off - last) <= the_same * off) return std::nullopt;
       last = off;
       const auto k = static_cast<Index>(rows_.size());
-      work_ += static_cast<double>(k * k * k);
-      if (work_ > most_work) return std::nullopt;
+      work_ -= static_cast<double>(k * k * k);
+      if (work_ < 0) return std::nullopt;
       for (Index i = 0; i < p.size(); ++i) p[i] = open_[static_cast<std::size_t>(i)] != 0 ? limit_[i] : p[i];
       assemble(v, p);
       if (k > 0) p(rows_) -= matrix_.partialPivLu().solve(right_);
@@ -153,7 +153,8 @@ class Newton {
 /// nearly the same, that takes too many rounds of softer ones, and harder ones go on.
 class AtOnce {
  public:
-  AtOnce(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing) : a_(a), v_(v), rubbing_(rubbing) {}
+  AtOnce(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing, double& work)
+      : a_(a), v_(v), rubbing_(rubbing), work_(work) {}
 
   /// From p, on top of which shares are even; looked for near `guess`. Nothing where it fails.
   std::optional<VectorXd> solve(VectorXd p, VectorXd guess) {
@@ -179,7 +180,7 @@ class AtOnce {
   const MatrixXd& a_;
   const VectorXd& v_;
   const Rubbing& rubbing_;
-  double work_ = 0;
+  double& work_;
 };
 
 /// One motor.
@@ -286,12 +287,12 @@ bool cancel(const MatrixXd& a, const VectorXd& v, const VectorXd& p) {
 
 }  // namespace
 
-VectorXd hold(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing, VectorXd p) {
+VectorXd hold(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing, VectorXd p, double& work) {
   // Where joints hold what contacts push, jammed impulses do not move anything: begun with what they were before, they
   // would grow from step to step.
   if (cancel(a, v, p)) p.setZero();
-  if (v.size() <= most_rows) {
-    AtOnce solver(a, v, rubbing);
+  if (v.size() <= most_rows && work > 0) {
+    AtOnce solver(a, v, rubbing, work);
     auto at_once = solver.solve(p, p);
     if (!at_once) {
       const VectorXd near = swept(a, v, rubbing, p);

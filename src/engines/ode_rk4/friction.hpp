@@ -22,11 +22,16 @@ struct Rubbing {
   Eigen::Index motors_at() const { return static_cast<Eigen::Index>(2 * contact.size()); }
 };
 
+/// Cubes of the rows of the matrices that Newton's method may solve: a millisecond or two. Counted, so that what bounds
+/// the work hangs on no clock.
+constexpr double friction_work = 5e6;
+
 /// Nothing closes, normal impulses only push, and friction is in its round cone: where it is inside it nothing slides,
 /// else it acts against what does; a motor has its speed, or gives what it can towards it. `p` is where to begin. Where
 /// contacts say the same each gets the same share on top of that, as soft ground would have it: friction feels the
-/// shares. Not always solved; see `adds_energy`.
-Eigen::VectorXd hold(const Eigen::MatrixXd& a, const Eigen::VectorXd& v, const Rubbing& rubbing, Eigen::VectorXd p);
+/// shares. Not always solved; see `adds_energy`. `work`: what is left of it; without any, it is solved in part.
+Eigen::VectorXd hold(const Eigen::MatrixXd& a, const Eigen::VectorXd& v, const Rubbing& rubbing, Eigen::VectorXd p,
+                     double& work);
 
 /// Friction alone at contacts that push so much: the impulses in their discs that leave the least energy.
 Eigen::VectorXd rub(const Eigen::MatrixXd& a, const Eigen::VectorXd& speeds, const Rubbing& rubbing,

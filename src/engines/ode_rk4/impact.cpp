@@ -73,8 +73,14 @@ double Impact::free_response(const Contact& contact) const {
   return sum;
 }
 
-Impact::Impact(Motion& motion, std::span<const Contact> contacts, const State& state, std::vector<LateMotor> motors)
-    : motion_(motion), contacts_(contacts), motors_(std::move(motors)), impulses_(state.size()), change_(state.size()) {
+Impact::Impact(Motion& motion, std::span<const Contact> contacts, const State& state, double& work,
+               std::vector<LateMotor> motors)
+    : motion_(motion),
+      contacts_(contacts),
+      work_(work),
+      motors_(std::move(motors)),
+      impulses_(state.size()),
+      change_(state.size()) {
   rows_.assign(contacts.begin(), contacts.end());
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const Vector3d& n = contacts[i].normal;
@@ -248,7 +254,7 @@ Eigen::VectorXd Impact::hold(const Eigen::VectorXd& v, const Rubbing& rubbing) c
     p[i] = (row.turns ? row.turn : row.push).dot(row.normal);
   }
   for (std::size_t k = 0; k < rubbing.limits.size(); ++k) p[motor_row(k)] = motors_[k].before;
-  p.head(count) = engine_rk4::hold(a, v.head(count), rubbing, p.head(count));
+  p.head(count) = engine_rk4::hold(a, v.head(count), rubbing, p.head(count), work_);
   if (!adds_energy(a, v.head(count), p.head(count))) return p;
   // Not solved: without friction, and then what friction takes of that.
   p.setZero();

@@ -64,8 +64,9 @@ struct Sticks {
 /// What impulses at the contacts of one pose do: that of the motion's last projection.
 class Impact {
  public:
-  /// `motors`: those that act in `stop`, besides.
-  Impact(Motion& motion, std::span<const Contact> contacts, const State& state, std::vector<LateMotor> motors = {});
+  /// `work`: what friction may take yet (friction_work). `motors`: those that act in `stop`, besides.
+  Impact(Motion& motion, std::span<const Contact> contacts, const State& state, double& work,
+         std::vector<LateMotor> motors = {});
 
   /// After it no contact closes, impulses have only pushed, friction is in its cone, and kinetic energy is at most what
   /// it was. What bounces does so by the laws of restitution.hpp as without friction; then friction takes what it can
@@ -121,6 +122,7 @@ class Impact {
 
   Motion& motion_;
   std::span<const Contact> contacts_;
+  double& work_;
   std::vector<LateMotor> motors_;
   // The contacts, then two more for each that rubs, along its plane, or rolls, about axes in its plane, or spins: about
   // its normal, and one that says nothing. Motors are last.
