@@ -334,14 +334,17 @@ void check_left_out() {
   }
 }
 
-/// What everybody reads is all there: a sentence whose numbers or plot went missing leaves the page in silence.
+/// What everybody reads is all there: a sentence whose numbers or plot went missing leaves the page in silence. One
+/// sentence of the answer and one of those in short are about single precision.
 void check_front(const std::vector<report::Section>& front) {
+  const std::ptrdiff_t missing = test::in_this_build("ode-step-single") ? 0 : 1;
   const auto count = [](const report::Section& section, auto is) { return std::ranges::count_if(section.blocks, is); };
   CHECK_EQUAL(
-      count(front.at(0), [](const report::Block& block) { return std::holds_alternative<report::Text>(block); }), 4);
+      count(front.at(0), [](const report::Block& block) { return std::holds_alternative<report::Text>(block); }),
+      4 - missing);
   CHECK_EQUAL(
       count(front.at(2), [](const report::Block& block) { return std::holds_alternative<report::Highlight>(block); }),
-      static_cast<std::ptrdiff_t>(experiments::highlights().size()));
+      static_cast<std::ptrdiff_t>(experiments::highlights().size()) - missing);
 }
 
 }  // namespace
