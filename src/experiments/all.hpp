@@ -36,6 +36,7 @@ Content thin_body(Laboratory& laboratory, Findings& findings);
 Content friction(Laboratory& laboratory, Findings& findings);
 Content bouncing_ball(Laboratory& laboratory, Findings& findings);
 Content spring_joint(Laboratory& laboratory, Findings& findings);
+Content motor_lift(Laboratory& laboratory, Findings& findings);
 Content remedy(Laboratory& laboratory, Findings& findings);
 Content chain(Laboratory& laboratory, Findings& findings);
 Content quickstep_chain(Laboratory& laboratory, Findings& findings);

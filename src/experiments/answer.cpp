@@ -67,7 +67,7 @@ const std::array tasks{
     Task{"sliding", "a box that slides to rest", slide_across, " --set bodies.0.velocity=[1.6,1.2,0]", false, quantity::max_error_position, 1e-2, "friction"},
     Task{"rest", "a ball that comes to rest", [](Laboratory& l) { return l.scenario("bouncing_ball"); }, "", true, quantity::max_penetration, 1e-3, "bouncing-ball"},
     Task{"tumbling", "a body that tumbles freely", [](Laboratory& l) { return until(l.scenario("free_box"), 2); }, "", false, quantity::max_error_turn, 1e-2, "free-box"},
-    Task{"motor", "a motor that lifts", [](Laboratory& l) { return l.scenario("motor_lift"); }, "", false, quantity::max_error_position, 1e-3, ""},
+    Task{"motor", "a motor that lifts", [](Laboratory& l) { return l.scenario("motor_lift"); }, "", false, quantity::max_error_position, 1e-3, "motor-lift"},
 };
 // clang-format on
 

@@ -50,6 +50,7 @@ constexpr std::array table{
     row("friction", friction),
     row("bouncing-ball", bouncing_ball),
     row("spring-joint", spring_joint),
+    row("motor-lift", motor_lift),
     row("remedy", remedy),
     row("iftomm", iftomm),
     row("potra", potra),

@@ -126,6 +126,7 @@ const std::map<std::string, std::string, std::less<>> unshaded{
     {"feedback-gap", "maximal-rk4 is never lost"},
     {"potra-figure", "dWorldStep is not lost in its 2.5 s"},
     {"spring-joint-figure", "a damped motion forgets its errors"},
+    {"motor-lift-figure", "the motion is known in closed form"},
 };
 
 void check_shades(const report::Figure& figure) {
@@ -214,6 +215,8 @@ constexpr Band bands[] = {
     {"answer.tumbling_step", 0.02, 0.02},
     {"answer.motor_step", 20, 20},
     {"answer.motor_default_step", 2, 2},
+    {"motor.speed_loss_off", 0, 1e-10},  // 4e-12 m/s: rounding of 20,000 steps; a hundredth of CFM 1e-10 times 98.1 N
+    {"motor.rigid_loss", 0, 1e-12},
     {"answer.arm_until", 2, 2},                    // s
     {"answer.error", 4.62, 4.81},                  // 4.715 mrad
     {"answer.lost_at", 5.95, 5.99},                // 5.968 s
