@@ -16,6 +16,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "audit/odeval_name.h"
 
@@ -140,6 +141,21 @@ void collide_for_ever() {
   if (most_kB() - before > 16384) ::_exit(9);
 }
 
+/// From now on ODE gets no memory for a step, but for its list of islands, without which it does not live.
+void take_its_memory() {
+  const dWorldStepMemoryFunctionsInfo once{
+      .struct_size = sizeof once,
+      .alloc_block = [](dsizeint size) -> void* {
+        static bool first = true;
+        return std::exchange(first, false) ? std::malloc(size) : nullptr;
+      },
+      .shrink_block = [](void* block, dsizeint, dsizeint) { return block; },
+      .free_block = [](void* block, dsizeint) { std::free(block); },
+  };
+  dWorldCleanupWorkingMemory(world);
+  if (dWorldSetStepMemoryManager(world, &once) == 0) std::abort();
+}
+
 /// What goes wrong half way.
 void go_wrong() {
   if (is("segv")) std::raise(SIGSEGV);
@@ -158,6 +174,7 @@ void go_wrong() {
   if (is("hang")) {
     for (;;) ::pause();
   }
+  if (is("in-vain")) take_its_memory();
   if (is("busy")) {
     for (volatile bool on = true; on;) {
     }

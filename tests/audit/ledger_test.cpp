@@ -75,6 +75,51 @@ void motors_press_on_stops() {
   }
 }
 
+// At a low stop a motor of 5 N that would leave it pushes with what the fudge factor leaves of it, 1 N, and is not at
+// its limit; one that is to stand still presses on either stop. At rest all have gone as far as 1000 N/m give way. The
+// high stop gives as much to its spring as the motor gives to it, so that the sum there is none: of the wrong sign it
+// would be 0.05 J.
+void motors_at_stops_push_as_odes_do() {
+  const audit::Answer answer = recorded("at_stops", "4");
+  const double low = -g * ((g - 1) + (g + 5)) / 1000;
+  CHECK_NEAR(answer.work.motors + answer.work.joints, low, 1e-9);
+  CHECK_NEAR(of_step(answer), 0.0, 1e-9);
+  const auto joint = [&](std::size_t i) { return answer.joint_summaries.at(i); };
+  CHECK_EQUAL(joint(0).at_limit.value_or(1), 0U);
+  for (std::size_t i = 0; i < 3; ++i) CHECK_EQUAL(joint(i).at_stop.value_or(0), 4000U);
+  for (std::size_t i = 1; i < 3; ++i) CHECK_EQUAL(joint(i).at_limit.value_or(0), 4000U);
+}
+
+// 2 N on a kilogram from rest do 2 J in a second. A lift at 0.5 m/s bears a kilogram, 0.3 m beside it: the joint's work
+// is on the weight alone, since what moves the lift is the program's, whose pushes it does not feel. CFM of 1e-10 and
+// the weight's speed, which is off by 1e-9 m/s, leave less than 1e-7.
+void what_moves_by_itself_takes_no_work() {
+  const audit::Answer answer = recorded("lifted", "1");
+  CHECK_NEAR(answer.work.added, 2.0, 1e-9);
+  CHECK_NEAR(answer.work.joints, g * 0.5, 1e-6);
+  CHECK_NEAR(answer.energy.begin_J, 0.5 * 0.5 * 0.5, 1e-12);
+  CHECK_NEAR(answer.energy.end_J, 0.5 * 0.5 * 0.5 + g * 0.5 + 2, 1e-6);
+  CHECK_NEAR(answer.joint_summaries.at(0).force_N, g, 1e-6);
+  CHECK_NEAR(answer.joint_summaries.at(0).torque_Nm, 0.3 * g, 1e-6);
+}
+
+// Of a ball that slides the normal force is the weight: with friction it would be 4 % more.
+void the_force_of_a_contact_is_normal() { CHECK_NEAR(recorded("skid", "0.5").joint_summaries.at(0).force_N, g, 1e-5); }
+
+// A contact stops the mass that both bodies have against each other, with ODE's own CFM and ERP.
+void contacts_stop_both_bodies() {
+  CHECK_NEAR(recorded("second_touch", "0.1").contact_s, 1e-10 / ((1 + 1e-3) * (1 - 0.2)), 1e-15);
+}
+
+// Links on hinges are one island, of five rows each, whichever is added last.
+void rows_of_an_island_stand_together() {
+  const audit::Answer answer = recorded("chain", "0.01");
+  constexpr double steps = 10;
+  constexpr double rows = 50;
+  CHECK_NEAR(answer.solver.iteration, steps * 10 * rows, 1e-6);
+  CHECK_NEAR(answer.solver.direct, steps * rows * rows * (1 + rows / 40), 1e-6);
+}
+
 // A kilogram at up to 15 N until it goes at 0.5 m/s. Gravity's own error, m g h v / 2, is the step's. The motor's CFM
 // of 1e-10 is 1e-9 m/s of its speed.
 void a_motor_lifts() {
@@ -142,11 +187,12 @@ void damping_takes_its_part() {
 
 void what_is_slow_is_not_damped() { CHECK_EQUAL(recorded("too_slow", "0.1").work.damping, 0.0); }
 
-// What a joint lets its bodies do is no gap; bodies without weight have no energy of gravity.
+// What a joint lets its bodies do is no gap, nor that they turn together; bodies without weight have no energy of
+// gravity.
 void gaps_are_across() {
   const audit::Answer answer = recorded("apart", "0.01");
   CHECK_EQUAL(answer.energy.begin_J, 0.0);
-  for (std::size_t i = 0; i < 4; ++i) {
+  for (std::size_t i = 0; i < 5; ++i) {
     const audit::JointSummary& joint = answer.joint_summaries.at(i);
     CHECK_NEAR(joint.largest_m, 0.1 + 0.01 * static_cast<double>(i), 1e-9);
     CHECK_NEAR(joint.largest_t_s, 5 * h, 1e-9);
@@ -166,6 +212,8 @@ void a_ball_comes_to_rest() {
   CHECK_NEAR(answer.work.contacts, -g, 1e-6);
   const double fastest = std::sqrt(2 * g);
   CHECK_BETWEEN(answer.joint_summaries.at(0).largest_m, 0.01 * fastest * h, fastest * h);  // what it falls in a step
+  const double first = std::sqrt(2 / g);  // when it is fastest; of step and contact, told at the end of it
+  CHECK_BETWEEN(answer.joint_summaries.at(0).largest_t_s, first - 2 * h, first + 2 * h);
 }
 
 // What the program sets by hand is its own, and what is left to the step is gravity's error, m g^2 h t / 2, of the one
@@ -239,6 +287,11 @@ int main() {
   friction_takes_it_all();
   friction_is_of_its_directions();
   motors_press_on_stops();
+  motors_at_stops_push_as_odes_do();
+  what_moves_by_itself_takes_no_work();
+  the_force_of_a_contact_is_normal();
+  contacts_stop_both_bodies();
+  rows_of_an_island_stand_together();
   a_motor_lifts();
   a_joint_takes_what_is_gone();
   motors_that_turn_with_their_bodies();

@@ -18,7 +18,7 @@ static int count;
 static double h;
 static double bounce, friction, friction2;
 static const dReal* first_direction; /* of friction; 0: ODE's */
-static int soft;
+static enum { hard, soft, only_soft_erp, only_soft_cfm } contact_is;
 static void (*control)(void);
 
 static dBodyID add(double x, double y, double z) {
@@ -328,9 +328,22 @@ static void soft_stops(void) {
 
 /* A ball on soft ground. */
 static void soft_contact(void) {
-  soft = 1;
+  contact_is = soft;
   dCreatePlane(space, 0, 0, 1, 0);
   make_ball(add(0, 0, 0.2), 1, 0.1);
+}
+
+/* The same, where the contact has the one number and the world the other. */
+static void soft_erp_contact(void) {
+  soft_contact();
+  contact_is = only_soft_erp;
+  dWorldSetCFM(world, cfm());
+}
+
+static void soft_cfm_contact(void) {
+  soft_contact();
+  contact_is = only_soft_cfm;
+  dWorldSetERP(world, erp());
 }
 
 /* A ball that keeps exp(-t) of its velocity and exp(-2 t) of its spin, on which the weight acts. */
@@ -351,19 +364,28 @@ static void too_slow(void) {
   dBodySetAngularDampingThreshold(bodies[0], 1e3);
 }
 
-/* Bodies without weight, that no ERP takes back: a hinge, a ball, a universal and a slider, all of which the program
- * opens, the latter by as much across its axis, and by more along it. */
+/* Bodies without weight, that no ERP takes back: a hinge, a ball, a universal, a slider and a weld, all of which the
+ * program opens, the slider by as much across its axis, and by more along it. Before, it turns what is welded. */
 static void open_joints(void) {
   static long steps = 0;
-  if (++steps != 5) return;
-  for (int i = 0; i < 4; ++i) {
+  ++steps;
+  if (steps == 3) {
+    const dQuaternion quarter = {sqrt(0.5), 0, 0, sqrt(0.5)};
+    dBodySetQuaternion(bodies[4], quarter);
+    dBodySetQuaternion(bodies[5], quarter);
+    dBodySetPosition(bodies[4], 25.5, 1, 1); /* it was 1 m beside the other */
+  }
+  if (steps != 5) return;
+  for (int i = 0; i < 5; ++i) {
     const dReal* at = dBodyGetPosition(bodies[i]);
     dBodySetPosition(bodies[i], at[0] + (i == 3 ? 0.3 : 0), at[1], at[2] + 0.1 + 0.01 * i);
   }
 }
 static void apart(void) {
   dWorldSetERP(world, 0);
-  for (int i = 0; i < 5; ++i) float_at(5 * i + 0.5, 0, 1);
+  for (int i = 0; i < 4; ++i) float_at(5 * i + 0.5, 0, 1);
+  float_at(26.5, 0, 1);
+  float_at(25.5, 0, 1);
   dJointID hinge = dJointCreateHinge(world, 0);
   dJointAttach(hinge, bodies[0], 0);
   dJointSetHingeAnchor(hinge, 0, 0, 1);
@@ -377,8 +399,11 @@ static void apart(void) {
   dJointSetUniversalAxis1(cross, 0, 1, 0);
   dJointSetUniversalAxis2(cross, 0, 0, 1);
   dJointID slider = dJointCreateSlider(world, 0);
-  dJointAttach(slider, bodies[3], bodies[4]);
+  dJointAttach(slider, bodies[3], float_at(20.5, 0, 1));
   dJointSetSliderAxis(slider, 1, 0, 0);
+  dJointID weld = dJointCreateFixed(world, 0);
+  dJointAttach(weld, bodies[4], bodies[5]);
+  dJointSetFixed(weld);
   control = open_joints;
 }
 
@@ -500,6 +525,59 @@ static void second_touch(void) {
   control = push_as_the_second_touched;
 }
 
+/* A ball that rests, pushed as ODE's random numbers say, of which its callback draws as well. */
+static void push_at_random(void) { dBodyAddForce(bodies[0], 10 * dRandReal() - 5, 0, 0); }
+static void drawn(void) {
+  dCreatePlane(space, 0, 0, 1, 0);
+  make_ball(add(0, 0, 0.1), 1, 0.1);
+  control = push_at_random;
+}
+
+/* A ball that slides, on one contact. */
+static void skid(void) {
+  friction = 0.3;
+  dCreatePlane(space, 0, 0, 1, 0);
+  make_ball(add(0, 0, 0.1), 1, 0.1);
+  dBodySetLinearVel(bodies[0], 5, 0, 0);
+}
+
+/* A body that floats, on which 2 N act, and a weight that is welded to a lift, 0.3 m beside it, which the program moves
+ * and pushes in vain. */
+static dBodyID lift;
+static void pull(void) {
+  dBodyAddForce(bodies[0], 2, 0, 0);
+  dBodyAddForce(lift, 0, 0, 100);
+}
+static void lifted(void) {
+  float_at(5, 0, 0);
+  lift = dBodyCreate(world);
+  dBodySetKinematic(lift);
+  dBodySetLinearVel(lift, 0, 0, 0.5);
+  dBodyID weight = add(0.3, 0, 0);
+  dBodySetLinearVel(weight, 0, 0, 0.5);
+  dJointID weld = dJointCreateFixed(world, 0);
+  dJointAttach(weld, lift, weight);
+  dJointSetFixed(weld);
+  control = pull;
+}
+
+/* Sliders at their soft stops, with motors of 5 N: one that would leave the low one with a fifth of it, and two that
+ * are to stand still, at the low stop and, without weight, at the high one. */
+static void at_stops(void) {
+  for (int i = 0; i < 3; ++i) {
+    dBodyID body = float_at(2 * i, 0, 0);
+    dBodySetGravityMode(body, i < 2);
+    dJointID slider = dJointCreateSlider(world, 0);
+    dJointAttach(slider, body, 0);
+    dJointSetSliderAxis(slider, 0, 0, 1);
+    soften(slider, dJointSetSliderParam, 1);
+    dJointSetSliderParam(slider, i < 2 ? dParamLoStop : dParamHiStop, 0);
+    dJointSetSliderParam(slider, dParamVel, i == 0);
+    dJointSetSliderParam(slider, dParamFMax, 5);
+    dJointSetSliderParam(slider, dParamFudgeFactor, 0.2);
+  }
+}
+
 static dBodyID fly(double speed) {
   dBodyID body = dBodyCreate(world);
   dBodySetGravityMode(body, 0);
@@ -565,11 +643,13 @@ static void near(void* data, dGeomID one, dGeomID other) {
       contact[i].surface.mode |= dContactFDir1;
       memcpy(contact[i].fdir1, first_direction, sizeof contact[i].fdir1);
     }
-    if (soft) {
-      contact[i].surface.mode = dContactSoftERP | dContactSoftCFM;
-      contact[i].surface.soft_erp = erp();
-      contact[i].surface.soft_cfm = cfm();
+    if (contact_is != hard) {
+      contact[i].surface.mode =
+          (contact_is != only_soft_cfm ? dContactSoftERP : 0) | (contact_is != only_soft_erp ? dContactSoftCFM : 0);
+      contact[i].surface.soft_erp = contact_is != only_soft_cfm ? erp() : 0.9; /* which is not read */
+      contact[i].surface.soft_cfm = contact_is != only_soft_erp ? cfm() : 0.9;
     }
+    if (control == push_at_random) dRand();
     dJointID touch = dJointCreateContact(world, contacts, &contact[i]);
     dJointAttach(touch, dGeomGetBody(one), dGeomGetBody(other));
     if (control == push_as_touched_last) dJointSetFeedback(touch, &touched[0]);
@@ -611,6 +691,12 @@ static const struct {
     {"too_slow", too_slow, 0},
     {"shared", shared, 1},
     {"second_touch", second_touch, 1},
+    {"soft_erp_contact", soft_erp_contact, 1},
+    {"soft_cfm_contact", soft_cfm_contact, 1},
+    {"drawn", drawn, 1},
+    {"skid", skid, 1},
+    {"lifted", lifted, 0},
+    {"at_stops", at_stops, 0},
     {"crossed", crossed, 0},
     {"second_only", second_only, 0},
     {"by_hand", by_hand, 0},
