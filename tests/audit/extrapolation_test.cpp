@@ -81,6 +81,22 @@ void jagged_values_are_covered() {
   CHECK_BETWEEN(without / double{cases}, 0.45, 0.55);
 }
 
+// A velocity that jumps by 3 m/s in a step takes the body up to 3 m/s * h/8 elsewhere within the finest part of it: as
+// much is unseen at least, and at most twice as much. What begins with the run hides nothing.
+void jumps_hide_what_they_come_to() {
+  constexpr double h = 1e-3;
+  const auto unseen = [](int jump_at) {
+    Bends bends;
+    for (int step = 0; step < 20; ++step) {
+      const double velocity[3] = {0, step < jump_at ? 1.0 : -2.0, 5};
+      bends.add(velocity, h);
+    }
+    return bends.unseen(8);
+  };
+  CHECK_BETWEEN(unseen(10), 3 * h / 8, 2 * 3 * h / 8);
+  CHECK_EQUAL(unseen(0), 0.0);
+}
+
 // Of x -> 3.9 x (1 - x), which makes of rounding what it makes of a moved start: with more digits it goes elsewhere, by
 // less than is told, and by more than rounding comes to where nothing grows.
 void rounding_grows_with_the_motion() {
@@ -144,6 +160,7 @@ int main() {
   what_blows_up_has_no_limit();
   the_error_of_each_run();
   jagged_values_are_covered();
+  jumps_hide_what_they_come_to();
   rounding_grows_with_the_motion();
   what_moves_apart_has_no_limit();
   what_is_the_same_is_settled();

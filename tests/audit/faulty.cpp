@@ -20,6 +20,8 @@
 
 #include "audit/odeval_name.h"
 
+extern "C" void name_in_c(dBodyID body, dJointID joint);  // of named.c
+
 namespace {
 
 dWorldID world;
@@ -121,6 +123,7 @@ void make() {
     odeval_name(dBodyCreate(world), "the other");
     odeval_name(dBodyCreate(world), nullptr);
   }
+  if (is("named-in-c")) name_in_c(ball, dJointCreateNull(world, nullptr));
   if (is("latin-name")) odeval_name(ball, "Fu\xdf");
 }
 

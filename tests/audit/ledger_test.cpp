@@ -197,6 +197,9 @@ void gaps_are_across() {
     CHECK_NEAR(joint.largest_m, 0.1 + 0.01 * static_cast<double>(i), 1e-9);
     CHECK_NEAR(joint.largest_t_s, 5 * h, 1e-9);
   }
+  CHECK_EQUAL(answer.gap.joint, 5U);  // the widest
+  CHECK_NEAR(answer.gap.largest_m, 0.14, 1e-9);
+  CHECK_NEAR(answer.gap.t_s, 5 * h, 1e-9);
 }
 
 // A controller's torque takes the arm from rest to rest 0.12 rad lower: the gravity that is gone, m g dz.
