@@ -50,6 +50,7 @@ void near(void* data, dGeomID one, dGeomID other) {
 }
 
 void collide() {
+  if (is("own-pairs")) return near(nullptr, dSpaceGetGeom(space, 0), dSpaceGetGeom(space, 1));
   const int on_the_stack = 17;  // gone when this returns
   void* const data = is("stack") ? const_cast<int*>(&on_the_stack) : nullptr;
   try {

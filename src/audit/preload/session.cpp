@@ -313,7 +313,7 @@ int Session::parts(World& world, dReal h, Stepper stepper, const void* frame_of_
   int result = 1;
   for (int part = 0; part < k; ++part) {
     if (part > 0) {
-      if (empty_contacts(frame_of_step)) {
+      if (empty_contacts(world, frame_of_step)) {
         softened.reset();  // what the program's callback reads is its own
         renew_contacts(world);
       }
@@ -331,9 +331,9 @@ int Session::parts(World& world, dReal h, Stepper stepper, const void* frame_of_
   return result;
 }
 
-bool Session::empty_contacts(const void* frame_of_step) {
-  if (collisions_.empty() || !settings_.renew_contacts) return false;
-  const bool emptied = collisions_.can_be_repeated(frame_of_step) && worlds_.empty_contacts();
+bool Session::empty_contacts(const World& world, const void* frame_of_step) {
+  if (!settings_.renew_contacts || (collisions_.empty() && world.contacts == 0)) return false;
+  const bool emptied = !collisions_.empty() && collisions_.can_be_repeated(frame_of_step) && worlds_.empty_contacts();
   if (!emptied) record_.remark(contacts_stayed);
   return emptied;
 }

@@ -99,7 +99,7 @@ class Session {
   int whole(World& world, dReal h, Stepper stepper);
   int parts(World& world, dReal h, Stepper stepper, const void* frame_of_step);
   /// Between the parts of a step. False where contacts are not to be made anew, or can not.
-  bool empty_contacts(const void* frame_of_step);
+  bool empty_contacts(const World& world, const void* frame_of_step);
   void renew_contacts(World& world);
   void require_thread();
   /// The calling thread is the one that steps and collides, until it ends. Ends the program where there is another.
