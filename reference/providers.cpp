@@ -80,7 +80,7 @@ const ReferenceProvider& provider_for(const Scenario& scenario) {
                   std::string(without));
 }
 
-std::function<Reference(const SampleGrid&)> follow(const Scenario& scenario) {
+std::function<Reference(const SampleGrid&)> follow([[maybe_unused]] const Scenario& scenario) {
 #ifdef ODEVAL_HAVE_SIMBODY
   const bool sampled = std::ranges::any_of(scenario.mechanism.joints, &Joint::sampled);
   if (provider_for(scenario).supports == is_tree && !sampled) return follow_tree(scenario);

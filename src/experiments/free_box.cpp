@@ -14,11 +14,59 @@ using catalogue::Evaluation;
 using catalogue::Evaluator;
 using report::Cell;
 
-constexpr double steps_s[] = {1e-4, 5e-4, 1e-3};
+constexpr double steps_s[] = {1e-4, 4e-4, 1e-3};
 constexpr double early_s = 1;  // the tumbling of a first-order run is lost after 2 s
 constexpr double spacing_s = 1e-2;
 constexpr const char* measured_methods[] = {"ode-step-double",      "ode-step-single", "ode-quickstep-double",
                                             "ode-quickstep-single", "ode-rk4-double",  "lagrange-cvode"};
+
+/// Largest errors, those of angular momentum and energy relative to what they were at the start.
+struct Errors {
+  double distance_m = 0;
+  double momentum = 0;
+  double energy = 0;
+  std::optional<double> turned_rad = {};
+};
+
+/// The benchmark's own results: S. Peters' repository scpeters/benchmark,
+/// benchmark_gazebo/test_results/BENCHMARK_boxes_dt.csv, of Gazebo 6 in 2015.
+struct Published {
+  const char* method;  // of ours that is theirs
+  bool tumbles;
+  double step_s;
+  Errors errors;
+};
+// clang-format off
+constexpr Published published[] = {
+    {"ode-quickstep-double",  false, 1e-4, {1.32316e-11, 0, 0, 1.04167e-09}},
+    {"ode-quickstep-double",  false, 4e-4, {3.11725e-12, 0, 0, 1.66673e-08}},
+    {"ode-quickstep-double",  false, 1e-3, {1.65532e-12, 0, 0, 1.04177e-07}},
+    {"bullet-hinge-double",   false, 1e-4, {1.32316e-11, 1.69995e-12, 6.85531e-14, 3.40528e-12}},
+    {"bullet-hinge-double",   false, 4e-4, {3.11725e-12, 1.72371e-13, 7.10395e-15, 4.50751e-13}},
+    {"bullet-hinge-double",   false, 1e-3, {1.65532e-12, 5.28787e-14, 2.13118e-15, 1.58096e-13}},
+    {"simbody-semi-explicit", false, 1e-4, {1.9222e-11, 0, 0, 2.60406e-10}},
+    {"simbody-semi-explicit", false, 4e-4, {5.03797e-12, 0, 0, 4.16683e-09}},
+    {"simbody-semi-explicit", false, 1e-3, {2.29424e-12, 0, 0, 2.60443e-08}},
+    {"dart-step",             false, 1e-4, {1.32316e-11, 9.15335e-16, 3.46317e-14, 2.30683e-06}},
+    {"dart-step",             false, 4e-4, {3.11725e-12, 1.23444e-15, 1.74047e-14, 6.28318}},
+    {"dart-step",             false, 1e-3, {1.65532e-12, 8.48948e-16, 2.48638e-15, 3.1082e-06}},
+    {"ode-quickstep-double",  true,  1e-4, {0.0049, 0.0012715, 0.00124711}},
+    {"ode-quickstep-double",  true,  4e-4, {0.0196008, 0.00513309, 0.00498742}},
+    {"ode-quickstep-double",  true,  1e-3, {0.0490049, 0.0130775, 0.0124631}},
+    {"bullet-hinge-double",   true,  1e-4, {0.0049, 0.00125827, 0.0013586}},
+    {"bullet-hinge-double",   true,  4e-4, {0.0196008, 0.00501544, 0.00543344}},
+    {"bullet-hinge-double",   true,  1e-3, {0.0490049, 0.0124515, 0.0135785}},
+    {"simbody-semi-explicit", true,  1e-4, {0.00245, 0.000634808, 0.00062358}},
+    {"simbody-semi-explicit", true,  4e-4, {0.00980039, 0.00255109, 0.00249411}},
+    {"simbody-semi-explicit", true,  1e-3, {0.0245024, 0.00643788, 0.00623412}},
+    {"dart-step",             true,  1e-4, {0.0049, 2.22942, 0.0269129}},
+    {"dart-step",             true,  4e-4, {0.0196008, 2.23344, 0.0289518}},
+    {"dart-step",             true,  1e-3, {0.0490049, 2.18611, 0.0376207}},
+};
+// clang-format on
+constexpr const char* compared_methods[] = {"ode-quickstep-double",  "bullet-hinge-double", "bullet-multibody-double",
+                                            "simbody-semi-explicit", "dart-step",           "mujoco-euler",
+                                            "mujoco-implicit",       "mujoco-rk4",          "ode-rk4-double"};
 
 /// A case of the benchmark, of which the scenario file has the second.
 struct Case {
@@ -55,6 +103,31 @@ Scales scales_of(const Body& body) {
   return scales;
 }
 
+Errors errors_of(Evaluator& evaluator, const Evaluation& run) {
+  const Metrics all = evaluator.measure(run, evaluator.scenario().duration_s);
+  const Scales scales = scales_of(evaluator.scenario().mechanism.bodies[0]);
+  return {*all[quantity::max_error_position], *all[quantity::max_angular_momentum_drift] / scales.momentum,
+          *all[quantity::max_energy_drift] / scales.energy, *all[quantity::max_error_turn]};
+}
+
+/// Theirs beside ours.
+std::vector<Cell> compared(const Case& which, double step_s, const catalogue::Method& method, const Errors& ours) {
+  const auto* const found = std::ranges::find_if(published, [&](const Published& row) {
+    return row.method == method.name && row.tumbles == which.tumbles && row.step_s == step_s;
+  });
+  std::vector<Cell> cells{std::string(which.name), std::string(method.name), step_s};
+  const auto add = [&](std::optional<double> theirs, double here) {
+    cells.push_back(theirs ? Cell(*theirs) : Cell(report::Missing{"not published"}));
+    cells.emplace_back(here);
+  };
+  const bool any = found != std::end(published);
+  add(any ? std::optional(found->errors.distance_m) : std::nullopt, ours.distance_m);
+  add(any ? std::optional(found->errors.momentum) : std::nullopt, ours.momentum);
+  add(any ? std::optional(found->errors.energy) : std::nullopt, ours.energy);
+  add(any ? found->errors.turned_rad : std::nullopt, *ours.turned_rad);
+  return cells;
+}
+
 /// What the experiment measures, case after case.
 class FreeFlights {
  public:
@@ -70,6 +143,11 @@ class FreeFlights {
         measure(which, step_s, *method, evaluator);
       }
     }
+    for (const char* name : compared_methods) {
+      const catalogue::Method* const method = available(name);
+      if (method == nullptr) continue;  // the page says so of all
+      beside.rows.push_back(compared(which, step_s, *method, errors_of(evaluator, evaluator.evaluate(*method))));
+    }
     if (which.tumbles && step_s == file_.step_s) {
       const Reference& reference = evaluator.reference();
       over_time.series.push_back(uncertainty_curve(reference.trace.t, reference.uncertainty_turn));
@@ -80,6 +158,10 @@ class FreeFlights {
                       .columns = {"case", "method", "step, s", "distance, m", "g h T / 2, m", "± m",
                                   fmt::format("turned until {} s, rad", early_s), "± rad", "turned until 10 s, rad",
                                   "± rad", "angular momentum error", "energy error"}};
+  report::Table beside{
+      .name = "free-box-published",
+      .columns = {"case", "method", "step, s", "published, distance, m", "here, m", "published, angular momentum",
+                  "here", "published, energy", "here", "published, turned, rad", "here, rad"}};
   report::Panel over_time{.title = "over time, tumbling", .x_label = "t, s", .y_label = "angle, rad", .log_y = true};
   report::Series turned{fmt::format("angle until {} s, rad", early_s), {}, {}, report::Mark::line_and_points};
   report::Series fallen{"distance until 10 s, m", {}, {}, report::Mark::line_and_points};
@@ -90,17 +172,15 @@ class FreeFlights {
   void measure(const Case& which, double step_s, const catalogue::Method& method, Evaluator& evaluator) {
     const Scenario& scenario = evaluator.scenario();
     const double law = scenario.gravity * step_s * scenario.duration_s / 2;
-    const Scales scales = scales_of(scenario.mechanism.bodies[0]);
     const Evaluation run = evaluator.evaluate(method);
+    const Errors errors = errors_of(evaluator, run);
     const Metrics all = evaluator.measure(run, scenario.duration_s);
     const Metrics early = evaluator.measure(run, early_s);
     const bool of_ode = catalogue::has_half_step_start(method);
-    table.rows.push_back({std::string(which.name), std::string(method.name), step_s, *all[quantity::max_error_position],
+    table.rows.push_back({std::string(which.name), std::string(method.name), step_s, errors.distance_m,
                           of_ode ? Cell(law) : Cell(std::string("-")), *all[quantity::position_uncertainty],
-                          *early[quantity::max_error_turn], *early[quantity::turn_uncertainty],
-                          *all[quantity::max_error_turn], *all[quantity::turn_uncertainty],
-                          *all[quantity::max_angular_momentum_drift] / scales.momentum,
-                          *all[quantity::max_energy_drift] / scales.energy});
+                          *early[quantity::max_error_turn], *early[quantity::turn_uncertainty], *errors.turned_rad,
+                          *all[quantity::turn_uncertainty], errors.momentum, errors.energy});
     if (!which.tumbles) return;
     if (method.name == "ode-step-double") add_step(step_s, law, all, early);
     if (step_s == file_.step_s && !method.name.starts_with("ode-quickstep")) draw(run);
@@ -130,6 +210,14 @@ class FreeFlights {
   const Scenario& file_;
 };
 
+std::vector<std::string> methods() {
+  std::vector<std::string> all(std::begin(measured_methods), std::end(measured_methods));
+  for (const char* name : compared_methods) {
+    if (std::ranges::find(all, name) == all.end()) all.emplace_back(name);
+  }
+  return all;
+}
+
 }  // namespace
 
 Content free_box(Laboratory& laboratory, Findings& findings) {
@@ -156,9 +244,10 @@ Content free_box(Laboratory& laboratory, Findings& findings) {
                     {"mass", file.mechanism.bodies[0].mass_kg},
                     {"sides", fmt::format("{:g} x {:g} x {:g}", sides[0], sides[1], sides[2])},
                     {"off_the_law", shown(flights.off_the_law)},
-                    {"left_out", left_out({std::begin(measured_methods), std::end(measured_methods)})}};
+                    {"left_out", left_out(methods())}};
   content.exhibits.emplace_back(std::move(figure));
   content.exhibits.emplace_back(std::move(flights.table));
+  content.exhibits.emplace_back(std::move(flights.beside));
   return content;
 }
 

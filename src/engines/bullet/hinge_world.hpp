@@ -44,6 +44,7 @@ class HingeWorld final : public engine_tree::World {
   long step(double from, double to) override;
   const std::vector<engine_tree::Placed>& bodies() override;
   engine_tree::Touched touched() override { return meeting_.touched(dispatcher_); }
+  std::vector<Vec3> contact_forces() override { return meeting_.forces(dispatcher_, double(step_s_)); }
   std::vector<Vec3> closing_forces() override;
   Told told() const override;
 

@@ -1,6 +1,7 @@
 #include "engines/bullet/meeting.hpp"
 
 #include <algorithm>
+#include <utility>
 #include <variant>
 
 namespace odeval::engine_bullet {
@@ -23,6 +24,9 @@ bool set_surface(btManifoldPoint& point, const btCollisionObjectWrapper* first, 
   point.m_combinedSpinningFriction = 0;
   return true;
 }
+
+/// Of a point that is apart, which Bullet did not solve for, the impulse is one of an earlier step.
+bool presses(const btManifoldPoint& point) { return point.getDistance() <= 0 && point.getAppliedImpulse() > 0; }
 
 btVector3 half(const Vec3& sides) { return bullet(0.5 * sides); }
 
@@ -95,12 +99,35 @@ engine_tree::Touched Meeting::touched(btCollisionDispatcher& dispatcher) const {
     const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(k);
     for (int i = 0; i < manifold.getNumContacts(); ++i) {
       const btManifoldPoint& point = manifold.getContactPoint(i);
-      if (point.getAppliedImpulse() <= 0) continue;
+      if (!presses(point)) continue;
       ++touched.contacts;
       touched.depth = std::max(touched.depth, -double(point.getDistance()));
     }
   }
   return touched;
+}
+
+// Its normal points from the second to the first.
+std::vector<Vec3> Meeting::forces(btCollisionDispatcher& dispatcher, double step_s) const {
+  if (empty()) return {};
+  std::vector<Vec3> forces(bodies_);
+  for (int k = 0; k < dispatcher.getNumManifolds(); ++k) {
+    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(k);
+    btVector3 impulse(0, 0, 0);
+    for (int i = 0; i < manifold.getNumContacts(); ++i) {
+      const btManifoldPoint& point = manifold.getContactPoint(i);
+      if (!presses(point)) continue;
+      impulse += point.m_appliedImpulse * point.m_normalWorldOnB +
+                 point.m_appliedImpulseLateral1 * point.m_lateralFrictionDir1 +
+                 point.m_appliedImpulseLateral2 * point.m_lateralFrictionDir2;
+    }
+    const Vec3 force = (1 / step_s) * ours(impulse);
+    for (const auto& [object, sign] : {std::pair{manifold.getBody0(), 1.0}, std::pair{manifold.getBody1(), -1.0}}) {
+      const std::size_t number = number_of(*object);
+      if (number < bodies_) forces[number] = forces[number] + sign * force;
+    }
+  }
+  return forces;
 }
 
 bool Meeting::needBroadphaseCollision(btBroadphaseProxy* first, btBroadphaseProxy* second) const {

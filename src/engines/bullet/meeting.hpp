@@ -29,6 +29,8 @@ class Meeting final : public btOverlapFilterCallback {
   void close(btCollisionWorld& world);
   /// In the last step: contacts that pressed, and the deepest.
   engine_tree::Touched touched(btCollisionDispatcher& dispatcher) const;
+  /// What they gave each body, N, by its number; empty where nothing touches.
+  std::vector<Vec3> forces(btCollisionDispatcher& dispatcher, double step_s) const;
 
   bool needBroadphaseCollision(btBroadphaseProxy* first, btBroadphaseProxy* second) const override;
 

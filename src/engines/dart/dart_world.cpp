@@ -22,6 +22,7 @@
 #include <algorithm>
 #include <map>
 #include <string>
+#include <utility>
 #include <variant>
 
 #include "odeval/error.hpp"
@@ -207,6 +208,22 @@ engine_tree::Touched DartWorld::touched() {
     touched.depth = std::max(touched.depth, contact.penetrationDepth);
   }
   return touched;
+}
+
+std::vector<Vec3> DartWorld::contact_forces() {
+  if (touching_.empty()) return {};
+  std::vector<Vec3> forces(nodes_.size());
+  for (const auto& contact : world_->getLastCollisionResult().getContacts()) {
+    for (const auto& [object, sign] :
+         {std::pair{contact.collisionObject1, 1.0}, std::pair{contact.collisionObject2, -1.0}}) {
+      const auto* const shape = static_cast<const dd::ShapeNode*>(object->getShapeFrame());
+      const auto body = std::ranges::find(nodes_, shape->getBodyNodePtr().get());
+      if (body == nodes_.end()) continue;  // what stands
+      Vec3& of_body = forces[static_cast<std::size_t>(body - nodes_.begin())];
+      of_body = of_body + sign * ours(contact.force);
+    }
+  }
+  return forces;
 }
 
 /// A force along a hinge or a slider, from outside: of a joint with a servo DART takes none.

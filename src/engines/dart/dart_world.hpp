@@ -24,6 +24,7 @@ class DartWorld final : public engine_tree::World {
   long step(double from, double to) override;
   const std::vector<engine_tree::Placed>& bodies() override;
   engine_tree::Touched touched() override;
+  std::vector<Vec3> contact_forces() override;
   Told told() const override;
 
  private:

@@ -1,8 +1,10 @@
 #include "engines/mujoco/mujoco_world.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "engines/mujoco/model_text.hpp"
 #include "odeval/error.hpp"
@@ -167,6 +169,26 @@ engine_tree::Touched MujocoWorld::touched() {
     touched.depth = std::fmax(touched.depth, -data_->contact[k].dist);
   }
   return touched;
+}
+
+// Of the axes of a contact the first points from its first thing to its second.
+std::vector<Vec3> MujocoWorld::contact_forces() {
+  if (mechanism_.contacts.empty()) return {};
+  std::vector<Vec3> forces(bodies_.size());
+  for (int k = 0; k < data_->ncon; ++k) {
+    const mjContact& contact = data_->contact[k];
+    std::array<mjtNum, 6> along{};  // its axes, then about them
+    mj_contactForce(model_.get(), data_.get(), k, along.data());
+    Vec3 force{};
+    for (std::size_t d = 0; d < 9; ++d) force[d % 3] += contact.frame[d] * along[d / 3];
+    for (const auto& [geom, sign] : {std::pair{contact.geom1, -1.0}, std::pair{contact.geom2, 1.0}}) {
+      const auto body = std::ranges::find(number_, model_->geom_bodyid[geom]);
+      if (body == number_.end()) continue;  // what stands
+      Vec3& of_body = forces[static_cast<std::size_t>(body - number_.begin())];
+      of_body = of_body + sign * force;
+    }
+  }
+  return forces;
 }
 
 // The rows of a loop's equations come in their order; of each the first three are of a point, in the world.

@@ -30,6 +30,7 @@ class MujocoWorld final : public engine_tree::World {
   long step(double from, double to) override;
   const std::vector<engine_tree::Placed>& bodies() override;
   engine_tree::Touched touched() override;
+  std::vector<Vec3> contact_forces() override;
   std::vector<Vec3> closing_forces() override;
   Told told() const override;
 

@@ -77,12 +77,15 @@ double TreeSimulation::direction(std::size_t link) const {
 }
 
 // Engines in joint coordinates need no forces of joints, and each that tells them does so for another moment. These are
-// of the step's momentum: what all that hangs on a joint gained, less its weight, is what the joint gave.
+// of the step's momentum: what all that hangs on a joint gained, less its weight and what touched it, is what the joint
+// gave.
 void TreeSimulation::weigh() {
   for (std::size_t i = 0; i < carried_.size(); ++i) {
     const Vec3 gained = (1 / grid_.step_s) * (bodies_[i].velocity_m_s - before_[i].velocity_m_s);
     carried_[i] = mechanism_.bodies[i].mass_kg * (gained + Vec3{0, 0, gravity_});
   }
+  const std::vector<Vec3> pressed = world_->contact_forces();
+  for (std::size_t i = 0; i < pressed.size(); ++i) carried_[i] = carried_[i] - pressed[i];
   closed_by_ = world_->closing_forces();
   for (std::size_t k = 0; k < closed_by_.size(); ++k) {
     const Joint& joint = mechanism_.joints[closing_[k]];

@@ -43,6 +43,8 @@ class World {
   virtual const std::vector<Placed>& bodies() = 0;
   /// Nothing where no two things may.
   virtual Touched touched() { return {}; }
+  /// What contacts gave each body in the last step, N, by the numbers of bodies; empty where no two things may touch.
+  virtual std::vector<Vec3> contact_forces() { return {}; }
   /// N, on the first body of each joint that closes a loop (hang), in the last step.
   virtual std::vector<Vec3> closing_forces() { return {}; }
   /// What the engine was told, as it says it.
