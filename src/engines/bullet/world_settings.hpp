@@ -53,7 +53,12 @@ inline Told common(const btContactSolverInfo& solver) {
       {"restitution_threshold", double(solver.m_restitutionVelocityThreshold)},
       {"split_impulse", std::string(solver.m_splitImpulse != 0 ? "on" : "off")},
       {"split_impulse_threshold", double(solver.m_splitImpulsePenetrationThreshold)},
+      {"split_impulse_turn_erp", double(solver.m_splitImpulseTurnErp)},
+      {"friction_erp", double(solver.m_frictionERP)},
+      {"friction_cfm", double(solver.m_frictionCFM)},
+      {"max_error_reduction", double(solver.m_maxErrorReduction)},
       {"linear_slop", double(solver.m_linearSlop)},
+      {"articulated_warm_starting", double(solver.m_articulatedWarmstartingFactor)},
       {"contact_breaking_threshold", double(gContactBreakingThreshold)},
       {"contact_processing_threshold", 0.0}};
 }

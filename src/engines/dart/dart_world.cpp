@@ -6,6 +6,8 @@
 #include <dart/collision/CollisionResult.hpp>
 #include <dart/collision/dart/DARTCollisionDetector.hpp>
 #include <dart/config.hpp>
+#include <dart/constraint/BoxedLcpConstraintSolver.hpp>
+#include <dart/constraint/BoxedLcpSolver.hpp>
 #include <dart/constraint/ConstraintSolver.hpp>
 #include <dart/constraint/ContactConstraint.hpp>
 #include <dart/dynamics/BallJoint.hpp>
@@ -314,10 +316,13 @@ const std::vector<Placed>& DartWorld::bodies() {
 
 Told DartWorld::told() const {
   const auto yes = [](bool is) { return std::string(is ? "on" : "off"); };
+  auto& lcp = dynamic_cast<dart::constraint::BoxedLcpConstraintSolver&>(*world_->getConstraintSolver());
   return {{"version", std::string(DART_VERSION)},
           {"self_collision", yes(skeleton_->isEnabledSelfCollisionCheck())},
           {"mobile", yes(skeleton_->isMobile())},
-          {"actuators", std::string("FORCE")},
+          {"actuators", std::string(motors_.empty() ? "FORCE" : "FORCE and SERVO")},
+          {"lcp_solver", lcp.getBoxedLcpSolver()->getType()},
+          {"lcp_solver_where_that_fails", lcp.getSecondaryBoxedLcpSolver()->getType()},
           {"contact_erp", dart::constraint::ContactConstraint::getErrorReductionParameter()},
           {"contact_cfm", dart::constraint::ContactConstraint::getConstraintForceMixing()},
           {"contact_error_allowance", dart::constraint::ContactConstraint::getErrorAllowance()},

@@ -203,7 +203,10 @@ class SimbodyWorld final : public engine_tree::World {
     Told told{{"version", std::to_string(major) + "." + std::to_string(minor)},
               {"integrator", std::string(integrator_->getMethodName())},
               {"constraint_tolerance", integrator_->getConstraintToleranceInUse()}};
-    if (stepping_.merson) told.push_back({"accuracy", integrator_->getAccuracyInUse()});
+    if (stepping_.merson) {
+      told.push_back({"accuracy", integrator_->getAccuracyInUse()});
+      told.push_back({"norm", std::string(integrator_->isInfinityNormInUse() ? "infinity" : "rms")});
+    }
     return told;
   }
 
