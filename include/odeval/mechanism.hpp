@@ -9,7 +9,7 @@
 #include <variant>
 #include <vector>
 
-#include "odeval/geometry.hpp"
+#include "odeval/frame.hpp"
 
 namespace odeval {
 
@@ -23,13 +23,29 @@ struct Box {
 struct Sphere {
   double diameter_m = 0;
 };
-/// One shape a body. It is what touches, what is drawn and, by default, where the mass is.
-using Shape = std::variant<Box, Sphere>;
+/// A round bar along the body's z.
+struct Cylinder {
+  double diameter_m = 0;
+  double length_m = 0;
+};
+/// The same with half a ball on either end.
+struct Capsule {
+  double diameter_m = 0;
+  double length_m = 0;  // with both ends: at least the diameter
+};
+/// It is what touches, what is drawn and, by default, where the mass is.
+using Shape = std::variant<Box, Sphere, Cylinder, Capsule>;
 
 /// Sides of the box around a shape, m; of a sphere the diameter, three times.
 Vec3 sides_m(const Shape& shape);
 /// Whether it looks the same from every side: what has no edges to draw and no axes to turn.
 inline bool is_sphere(const Shape& shape) { return std::holds_alternative<Sphere>(shape); }
+
+/// Whether it is a cylinder or a capsule.
+bool is_bar(const Shape& shape);
+/// Moments of inertia of a uniform solid about its own axes, kg m²: m (y² + z²) / 12 and so on of a box, m d² / 10 of a
+/// ball.
+Vec3 uniform_moments_kgm2(const Shape& shape, double mass_kg);
 
 // ---- Bodies
 
@@ -45,6 +61,12 @@ using Attitude = std::variant<Vec3, AxisAngle>;
 /// The attitude as a rotation vector, rad.
 Vec3 rotation_vector(const Attitude& attitude);
 
+/// One of the shapes of a body.
+struct Part {
+  Shape shape;
+  Frame place{};  // of its centre, from the body's centre of mass along the body's own axes
+};
+
 /// A rigid body and how it starts.
 struct Body {
   Shape shape;          // with its centre in the centre of mass
@@ -57,9 +79,15 @@ struct Body {
   /// uniform solid of the body's shape.
   std::optional<std::array<double, 9>> inertia_kgm2 = {};
   std::string name = {};  // for contacts and tables; need not be there
+  /// Of a body of several shapes, all of them: they touch and are drawn in the place of `shape`, a box about the centre
+  /// of mass that holds them, and `inertia_kgm2` is there.
+  std::vector<Part> several = {};
 
-  /// Moments of a uniform solid about its own axes, kg m²: m (y² + z²) / 12 and so on of a box, m d² / 10 of a ball.
-  Vec3 uniform_moments_kgm2() const;
+  /// What touches and is drawn: one or more.
+  std::vector<Part> parts() const;
+
+  /// Moments of a uniform solid of its shape, kg m².
+  Vec3 uniform_moments_kgm2() const { return odeval::uniform_moments_kgm2(shape, mass_kg); }
   /// Number of its own axis along the longest side; of equally long ones the last.
   std::size_t long_axis() const;
 };

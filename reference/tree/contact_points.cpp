@@ -17,16 +17,38 @@ bool connected(const Mechanism& mechanism, std::size_t a, std::size_t b) {
   });
 }
 
-void add_corners(std::vector<ContactPoint>& points, const Box& box, ContactPoint point) {
-  for (const double x : {-0.5, 0.5}) {
-    for (const double y : {-0.5, 0.5}) {
-      for (const double z : {-0.5, 0.5}) {
-        point.corner_m = {x * box.sides_m[0], y * box.sides_m[1], z * box.sides_m[2]};
-        points.push_back(point);
+/// Adds the points of a shape that may come to be its lowest ones; false where these are not so many.
+struct AddPoints {
+  std::vector<ContactPoint>& points;
+  ContactPoint point;
+  const Frame& place;
+
+  bool operator()(const Box& box) {
+    for (const double x : {-0.5, 0.5}) {
+      for (const double y : {-0.5, 0.5}) {
+        for (const double z : {-0.5, 0.5}) add({x * box.sides_m[0], y * box.sides_m[1], z * box.sides_m[2]});
       }
     }
+    return true;
   }
-}
+  bool operator()(const Sphere& ball) {
+    point.radius_m = ball.diameter_m / 2;
+    add({});
+    return true;
+  }
+  bool operator()(const Capsule& bar) {
+    point.radius_m = bar.diameter_m / 2;
+    for (const double end : {-0.5, 0.5}) add({0, 0, end * (bar.length_m - bar.diameter_m)});
+    return true;
+  }
+  bool operator()(const Cylinder&) { return false; }  // a rim
+
+ private:
+  void add(const Vec3& corner_m) {
+    point.corner_m = place.position_m + turned(place.rotation, corner_m);
+    points.push_back(point);
+  }
+};
 
 double radius_of(const Shape& shape) {
   const auto* const ball = std::get_if<Sphere>(&shape);
@@ -40,14 +62,10 @@ bool add_plane(std::vector<ContactPoint>& points, const Mechanism& mechanism, st
   if (contact == nullptr) return true;
   const auto* const plane = std::get_if<HalfSpace>(&obstacle.shape);
   if (plane == nullptr) return false;
-  const ContactPoint point{
-      .body = i, .radius_m = radius_of(body.shape), .plane = *plane, .other = {}, .restitution = contact->restitution};
-  if (const auto* const box = std::get_if<Box>(&body.shape)) {
-    add_corners(points, *box, point);
-  } else {
-    points.push_back(point);
-  }
-  return true;
+  const ContactPoint point{.body = i, .plane = *plane, .other = {}, .restitution = contact->restitution};
+  return std::ranges::all_of(body.parts(), [&](const Part& part) {
+    return std::visit(AddPoints{points, point, part.place}, part.shape);
+  });
 }
 
 /// Likewise.

@@ -8,10 +8,10 @@
 
 namespace odeval::reference {
 
-/// A ball or a corner of a box, and the plane or the ball that it may meet.
+/// A ball, an end of a capsule or a corner of a box, and the plane or the ball that it may meet.
 struct ContactPoint {
   std::size_t body = 0;
-  Vec3 corner_m{};                   // from its centre, in its own frame; of a ball 0
+  Vec3 corner_m{};                   // from the centre of mass, in the body's own frame
   double radius_m = 0;               // of a ball about that
   HalfSpace plane{};                 // that it may meet
   std::optional<std::size_t> other;  // or the ball that it may meet in the place of a plane
@@ -28,8 +28,8 @@ struct Meeting {
 };
 Meeting meeting(const ContactPoint& point, const std::vector<Placed>& bodies);
 
-/// All of a mechanism: of balls and boxes with planes, and of balls with each other. Nothing where anything else may
-/// touch, or anything rubs.
+/// All of a mechanism: of balls, boxes and capsules with planes, and of balls with each other. Nothing where anything
+/// else may touch, or anything rubs.
 std::optional<std::vector<ContactPoint>> contact_points(const Mechanism& mechanism);
 
 }  // namespace odeval::reference

@@ -42,18 +42,40 @@ Turning turning(const Body& what, const BodyState& body) {
 
 /// How far a shape reaches from its centre along a direction.
 struct Reach {
-  const BodyState& body;
+  const Rotation& rotation;
   const Vec3& normal;
 
   double operator()(const Sphere& ball) const { return ball.diameter_m / 2; }
   double operator()(const Box& box) const {
     double reach = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      reach += box.sides_m[axis] / 2 * std::fabs(dot(axis_of(body.rotation, axis), normal));
+      reach += box.sides_m[axis] / 2 * std::fabs(dot(axis_of(rotation, axis), normal));
     }
     return reach;
   }
+  double operator()(const Cylinder& bar) const {
+    const double along = std::fabs(dot(axis_of(rotation, 2), normal));
+    return bar.length_m / 2 * along + bar.diameter_m / 2 * std::sqrt(std::fmax(0, 1 - along * along));
+  }
+  double operator()(const Capsule& bar) const {
+    const double along = std::fabs(dot(axis_of(rotation, 2), normal));
+    return bar.diameter_m / 2 + (bar.length_m - bar.diameter_m) / 2 * along;
+  }
 };
+
+/// How deep a body's shapes are in what lies below the plane.
+double overlap_of(const Body& what, const BodyState& body, const HalfSpace& plane) {
+  const auto overlap = [&](const Shape& shape, const Rotation& rotation, const Vec3& centre) {
+    return std::visit(Reach{rotation, plane.normal}, shape) - (dot(plane.normal, centre) - plane.offset_m);
+  };
+  if (what.several.empty()) return overlap(what.shape, body.rotation, body.position);
+  double deepest = -INFINITY;
+  for (const Part& part : what.several) {
+    const Frame place = Frame{body.position, body.rotation} * part.place;
+    deepest = greater(deepest, overlap(part.shape, place.rotation, place.position_m));
+  }
+  return deepest;
+}
 
 /// The first plane that something stands on; null: none.
 const HalfSpace* ground_of(const Mechanism& mechanism) {
@@ -165,9 +187,7 @@ class BodyReader {
     if (torque_free_) trace_.angular_momentum_drift[k] += distance(turned.momentum, start_[i]);
     trace_.long_axis_spin[i][k] = spin_along(body, what.long_axis());
     if (ground_ != nullptr) {
-      const double height = dot(ground_->normal, body.position) - ground_->offset_m;
-      const double overlap = std::visit(Reach{body, ground_->normal}, what.shape) - height;
-      trace_.penetration[k] = greater(trace_.penetration[k], overlap);
+      trace_.penetration[k] = greater(trace_.penetration[k], overlap_of(what, body, *ground_));
     }
     store_body(trace_.bodies[i], k, body, force_of_(i, sample.joints));
   }

@@ -4,6 +4,8 @@
 
 #include "model/draft.hpp"
 #include "model/generate.hpp"
+#include "model/joint_kinds.hpp"
+#include "model/nearest.hpp"
 
 namespace odeval {
 
@@ -56,6 +58,46 @@ void make_thin(Draft& draft) {
   }
 }
 
+void check_size(const Draft& draft, const std::string& path, BodyShape shape, const Vec3& size) {
+  const auto& [x, y, z] = size;
+  const auto fail = [&](const char* rule) {
+    draft.fail(path + ".size", fmt::format("[{}, {}, {}]", size[0], size[1], size[2]), rule);
+  };
+  if (shape == BodyShape::sphere && (x != y || x != z)) fail("must be the diameter, three times, for a sphere");
+  if (shape == BodyShape::cylinder && x != y) fail("must be the diameter, twice, and the length, for a cylinder");
+  if (shape == BodyShape::capsule && (x != y || z <= x)) {
+    fail("must be the diameter, twice, and the length with both ends, which is longer, for a capsule");
+  }
+}
+
+/// What stands in plane2d's plane is the centre of mass, which a mass beside it would move.
+void check_held_by_plane(const Draft& draft, const std::string& path, const ShapeTable& shape) {
+  for (const JointTable& joint : draft.said.joints) {
+    if (joint.kind->parent != Carries::the_world || joint.child != shape.body || shape.mass_kg == 0) continue;
+    draft.fail(path + ".mass", fmt::format("{}", shape.mass_kg),
+               fmt::format("must be 0 for a body that kind {} holds by its centre", joint.kind->word));
+  }
+}
+
+void check_shapes(const Draft& draft) {
+  constexpr std::size_t most = 1024;  // as bodies
+  const std::vector<ShapeTable>& shapes = draft.said.shapes;
+  if (shapes.size() > most) {
+    draft.fail("shapes", fmt::format("{} tables", shapes.size()),
+               fmt::format("must be at most {} tables [[shapes]]", most));
+  }
+  std::vector<std::string> names;
+  for (const BodyTable& body : draft.said.bodies) names.push_back(body.name);
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const std::string path = fmt::format("shapes.{}", i);
+    check_size(draft, path, shapes[i].shape, shapes[i].size_m);
+    if (!draft.said.body_named(shapes[i].body)) {
+      draft.fail(path + ".body", shapes[i].body, "is the name of no body" + nearest_hint(shapes[i].body, names));
+    }
+    check_held_by_plane(draft, path, shapes[i]);
+  }
+}
+
 void check_bodies(const Draft& draft) {
   for (const char* key : {"n", "links", "q0", "qd0", "maximal"}) draft.refuse(key);
   if (draft.said.bodies.empty()) {
@@ -68,10 +110,11 @@ void check_bodies(const Draft& draft) {
                fmt::format("must be at most {} tables [[bodies]]", most));
   }
   for (std::size_t i = 0; i < draft.said.bodies.size(); ++i) {
-    const auto& [x, y, z] = draft.said.bodies[i].size_m;
-    if (draft.said.bodies[i].sphere && (x != y || x != z)) {
-      draft.fail(fmt::format("bodies.{}.size", i), fmt::format("[{}, {}, {}]", x, y, z),
-                 "must be the diameter, three times, for a sphere");
+    const BodyTable& body = draft.said.bodies[i];
+    check_size(draft, fmt::format("bodies.{}", i), body.shape, body.size_m);
+    if (draft.said.ground && body.shape != BodyShape::box && body.shape != BodyShape::sphere) {
+      draft.fail(fmt::format("bodies.{}.shape", i), word_of(body.shape),
+                 "must be box or sphere on a [ground]; the [[planes]] of a mechanism bear all shapes");
     }
   }
 }
@@ -106,6 +149,7 @@ void place_bodies(Draft& draft) {
   if (draft.said.problem->joints) {
     settle_joints(draft);
     settle_contacts(draft);
+    check_shapes(draft);
   }
   if (draft.said.joint) check_joint(draft);
   if (draft.said.ground) lay_on_ground(draft.said);

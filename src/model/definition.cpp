@@ -30,7 +30,7 @@ void add_link(Section section, const Link& link) {
 }
 
 void add_body(Section section, const BodyTable& body) {
-  section.add("shape", body.sphere ? "sphere" : "box")
+  section.add("shape", word_of(body.shape))
       .add("mass", body.mass_kg)
       .add("size", body.size_m)
       .add("position", body.position_m)
@@ -41,6 +41,15 @@ void add_body(Section section, const BodyTable& body) {
   if (!body.name.empty()) section.add("name", body.name);
   if (body.inertia_kgm2)
     section.add("inertia", std::vector<double>(body.inertia_kgm2->begin(), body.inertia_kgm2->end()));
+}
+
+void add_shape(Section section, const ShapeTable& shape) {
+  section.add("body", shape.body)
+      .add("shape", word_of(shape.shape))
+      .add("mass", shape.mass_kg)
+      .add("size", shape.size_m)
+      .add("position", shape.position_m)
+      .add("turn", shape.turn_rad);
 }
 
 void add_ground(Section section, const GroundTable& ground, bool friction) {
@@ -129,6 +138,8 @@ Definition definition_of(const Description& said) {
   for (const Link& link : said.links) add_link({all, fmt::format("links.{}", number++)}, link);
   number = 0;
   for (const BodyTable& body : said.bodies) add_body({all, fmt::format("bodies.{}", number++)}, body);
+  number = 0;
+  for (const ShapeTable& shape : said.shapes) add_shape({all, fmt::format("shapes.{}", number++)}, shape);
   number = 0;
   for (const JointTable& joint : said.joints) add_joint_of_tree({all, fmt::format("joints.{}", number++)}, joint);
   add_loads(all, "springs", said.springs);

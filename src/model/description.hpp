@@ -11,11 +11,16 @@
 
 namespace odeval {
 
+enum class BodyShape { box, sphere, cylinder, capsule };
+/// In the order of the enumeration.
+constexpr std::array<std::string_view, 4> body_shape_words{"box", "sphere", "cylinder", "capsule"};
+inline std::string word_of(BodyShape shape) { return std::string(body_shape_words[static_cast<std::size_t>(shape)]); }
+
 /// One table [[bodies]].
 struct BodyTable {
-  bool sphere = false;
+  BodyShape shape = BodyShape::box;
   double mass_kg = 0;
-  Vec3 size_m{};        // sides along its own axes; of a sphere the diameter, three times
+  Vec3 size_m{};        // of the box around it, along its own axes
   Vec3 position_m{};    // of its centre
   Vec3 turn_rad{};      // rotation vector
   Vec3 velocity_m_s{};  // of its centre
@@ -23,6 +28,16 @@ struct BodyTable {
   double aspect = 1;                                       // by how much the sides x and y are divided
   std::string name = {};                                   // empty: "body" and its number, from 1
   std::optional<std::array<double, 6>> inertia_kgm2 = {};  // xx, yy, zz, xy, xz, yz about its own axes; absent: uniform
+};
+
+/// One table [[shapes]]: more of a body.
+struct ShapeTable {
+  std::string body;  // name
+  BodyShape shape = BodyShape::box;
+  double mass_kg = 0;
+  Vec3 size_m{};      // as a body's
+  Vec3 position_m{};  // from the centre of the body's own shape, along the body's own axes
+  Vec3 turn_rad{};    // against them
 };
 
 /// [ground]: a plane through the origin that falls towards +x.
@@ -93,6 +108,7 @@ struct Description {
   std::vector<Link> links;
   std::optional<Wall> wall;
   std::vector<BodyTable> bodies;
+  std::vector<ShapeTable> shapes;
   std::optional<GroundTable> ground;
   std::optional<JointTable> joint;
   std::vector<JointTable> joints;

@@ -9,7 +9,7 @@
 namespace odeval {
 namespace {
 
-constexpr std::array<std::string_view, 18> names{
+constexpr std::array<std::string_view, 19> names{
     "bodies in space",
     "more than one link",
     "more than two links",
@@ -28,9 +28,10 @@ constexpr std::array<std::string_view, 18> names{
     "joints that close loops",
     "joints piston, pr, pu, hinge2 or plane2d",
     "struts",
+    "contacts of cylinders, capsules or several shapes of a body",
 };
 
-static_assert(names.size() == static_cast<std::size_t>(Feature::struts) + 1, "a name for each");
+static_assert(names.size() == static_cast<std::size_t>(Feature::rare_shapes) + 1, "a name for each");
 
 void add_of_links(Features& asked, std::size_t links, bool touching) {
   if (links > 1) asked.add(Feature::several_links);
@@ -103,6 +104,7 @@ Features features_of(const Scenario& scenario) {
   if (!mechanism.struts.empty()) asked.add(Feature::struts);
   for (const Body& body : mechanism.bodies) {
     if (body.inertia_kgm2) asked.add(Feature::inertia);
+    if (!mechanism.contacts.empty() && (is_bar(body.shape) || !body.several.empty())) asked.add(Feature::rare_shapes);
   }
   return asked;
 }

@@ -21,6 +21,9 @@ Vec3 sides_m(const Shape& shape) {
   return std::visit(Overloaded{[](const Box& box) { return box.sides_m; },
                                [](const Sphere& ball) {
                                  return Vec3{ball.diameter_m, ball.diameter_m, ball.diameter_m};
+                               },
+                               [](const auto& bar) {
+                                 return Vec3{bar.diameter_m, bar.diameter_m, bar.length_m};
                                }},
                     shape);
 }
@@ -31,7 +34,11 @@ Vec3 rotation_vector(const Attitude& attitude) {
                     attitude);
 }
 
-Vec3 Body::uniform_moments_kgm2() const {
+bool is_bar(const Shape& shape) {
+  return std::holds_alternative<Cylinder>(shape) || std::holds_alternative<Capsule>(shape);
+}
+
+Vec3 uniform_moments_kgm2(const Shape& shape, double mass_kg) {
   const double m = mass_kg;
   return std::visit(
       Overloaded{[m](const Box& box) {
@@ -41,9 +48,26 @@ Vec3 Body::uniform_moments_kgm2() const {
                  [m](const Sphere& ball) {
                    const double moment = m * ball.diameter_m * ball.diameter_m / 10;
                    return Vec3{moment, moment, moment};
+                 },
+                 [m](const Cylinder& bar) {
+                   const double square = bar.diameter_m * bar.diameter_m / 4;
+                   const double across = m * (3 * square + bar.length_m * bar.length_m) / 12;
+                   return Vec3{across, across, m * square / 2};
+                 },
+                 [m](const Capsule& bar) {
+                   // A cylinder and a ball of the same density, whose halves lie beyond the cylinder's ends.
+                   const double r = bar.diameter_m / 2;
+                   const double straight = bar.length_m - 2 * r;
+                   const double ball = m * (4 * r / 3) / (straight + 4 * r / 3);
+                   const double rod = m - ball;
+                   const double across = rod * (3 * r * r + straight * straight) / 12 +
+                                         ball * (2 * r * r / 5 + straight * straight / 4 + 3 * r * straight / 8);
+                   return Vec3{across, across, rod * r * r / 2 + ball * 2 * r * r / 5};
                  }},
       shape);
 }
+
+std::vector<Part> Body::parts() const { return several.empty() ? std::vector{Part{shape}} : several; }
 
 std::size_t Body::long_axis() const {
   const auto [x, y, z] = sides_m(shape);

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "model/generate.hpp"
 #include "model/joint_kinds.hpp"
@@ -13,9 +14,22 @@ std::optional<std::array<double, 9>> tensor_of(const BodyTable& table) {
   return std::array{xx, xy, xz, xy, yy, yz, xz, yz, zz};
 }
 
+Shape shape_of(BodyShape shape, const Vec3& size_m) {
+  switch (shape) {
+    case BodyShape::sphere:
+      return Sphere{size_m[0]};
+    case BodyShape::cylinder:
+      return Cylinder{size_m[0], size_m[2]};
+    case BodyShape::capsule:
+      return Capsule{size_m[0], size_m[2]};
+    case BodyShape::box:
+      break;
+  }
+  return Box{size_m};
+}
+
 Body body_of(const BodyTable& table, std::size_t number) {
-  const Shape shape = table.sphere ? Shape(Sphere{table.size_m[0]}) : Shape(Box{table.size_m});
-  return {.shape = shape,
+  return {.shape = shape_of(table.shape, table.size_m),
           .mass_kg = table.mass_kg,
           .position_m = table.position_m,
           .attitude = table.turn_rad,
@@ -23,6 +37,75 @@ Body body_of(const BodyTable& table, std::size_t number) {
           .spin_rad_s = table.spin_rad_s,
           .inertia_kgm2 = tensor_of(table),
           .name = table.name.empty() ? "body" + std::to_string(number) : table.name};
+}
+
+/// A tensor along one frame's axes along those of the frame that it is in, of a mass that is so far from the point
+/// about which it is told.
+Rotation moved(const Rotation& tensor, double mass_kg, const Frame& place) {
+  Rotation sum = place.rotation * tensor * transposed(place.rotation);
+  const Vec3& at = place.position_m;
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t column = 0; column < 3; ++column) {
+      sum[3 * row + column] += mass_kg * ((row == column ? dot(at, at) : 0) - at[row] * at[column]);
+    }
+  }
+  return sum;
+}
+
+Rotation tensor_of(const Shape& shape, double mass_kg) {
+  const Vec3 moments = uniform_moments_kgm2(shape, mass_kg);
+  return {moments[0], 0, 0, 0, moments[1], 0, 0, 0, moments[2]};
+}
+
+/// The box about the origin that holds all of them.
+Box box_around(const std::vector<Part>& parts) {
+  Box box;
+  for (const Part& part : parts) {
+    const Vec3 sides = sides_m(part.shape);
+    for (std::size_t k = 0; k < 3; ++k) {
+      double half = std::fabs(part.place.position_m[k]);
+      for (std::size_t side = 0; side < 3; ++side)
+        half += std::fabs(part.place.rotation[3 * k + side]) * sides[side] / 2;
+      box.sides_m[k] = std::fmax(box.sides_m[k], 2 * half);
+    }
+  }
+  return box;
+}
+
+/// Makes the body, which is its own shape so far, one of several: its mass, its centre of mass and its inertia are
+/// those of all together.
+void add_shapes(Body& body, const std::vector<ShapeTable>& tables) {
+  std::vector<Part> parts{{body.shape}};
+  std::vector<double> masses{body.mass_kg};
+  std::vector<Rotation> tensors{body.inertia_kgm2.value_or(tensor_of(body.shape, body.mass_kg))};
+  for (const ShapeTable& table : tables) {
+    if (table.body != body.name) continue;
+    const Shape shape = shape_of(table.shape, table.size_m);
+    parts.push_back({shape, {table.position_m, rotation_of_vector(table.turn_rad)}});
+    masses.push_back(table.mass_kg);
+    tensors.push_back(tensor_of(shape, table.mass_kg));
+  }
+  if (parts.size() == 1) return;
+  Vec3 centre{};
+  body.mass_kg = 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    centre = centre + masses[i] * parts[i].place.position_m;
+    body.mass_kg += masses[i];
+  }
+  centre = (1 / body.mass_kg) * centre;
+  Rotation whole{};
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    parts[i].place.position_m = parts[i].place.position_m - centre;
+    const Rotation part = moved(tensors[i], masses[i], parts[i].place);
+    for (std::size_t k = 0; k < whole.size(); ++k) whole[k] += part[k];
+  }
+  for (const auto& [upper, lower] : {std::pair{1, 3}, {2, 6}, {5, 7}}) whole[lower] = whole[upper];
+  const Vec3 away = turned(rotation_of_vector(rotation_vector(body.attitude)), centre);
+  body.position_m = body.position_m + away;
+  body.velocity_m_s = body.velocity_m_s + cross(body.spin_rad_s, away);
+  body.inertia_kgm2 = whole;
+  body.shape = box_around(parts);
+  body.several = std::move(parts);
 }
 
 Joint joint_of(const JointTable& table, bool pair) {
@@ -129,6 +212,7 @@ void put_bodies(Scenario& scenario, const Description& description) {
   scenario.named = description.problem->joints;
   std::size_t number = 0;
   for (const BodyTable& table : description.bodies) scenario.mechanism.bodies.push_back(body_of(table, ++number));
+  for (Body& body : scenario.mechanism.bodies) add_shapes(body, description.shapes);
   if (description.joint) {
     scenario.mechanism.joints.push_back(joint_of(*description.joint, description.bodies.size() > 1));
   }

@@ -119,6 +119,7 @@ void add_to(Draft& draft, std::string_view section) {
   Description& said = draft.said;
   if (section == "links") said.links.emplace_back();
   if (section == "bodies") said.bodies.emplace_back();
+  if (section == "shapes") said.shapes.emplace_back();
   if (section == "joints") said.joints.emplace_back();
   if (section == "springs") said.springs.emplace_back();
   if (section == "torques") said.torques.emplace_back();

@@ -42,7 +42,8 @@ void check_sections(const Draft& draft) {
   }
   if (!problem.joints) {
     for (const char* key : {"name", "inertia"}) draft.refuse_in("bodies", key);
-    for (const char* list : {"springs", "torques", "controllers", "planes", "contacts", "struts"}) draft.refuse(list);
+    for (const char* list : {"shapes", "springs", "torques", "controllers", "planes", "contacts", "struts"})
+      draft.refuse(list);
   }
   if (problem.ground && !problem.friction) {
     for (const char* key : {"friction", "friction_model"}) draft.refuse("ground", key);

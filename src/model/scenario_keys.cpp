@@ -21,6 +21,10 @@ std::vector<std::string> problem_names(const Names&) {
   return names;
 }
 std::vector<std::string> shape_names(const Names&) { return {"box", "sphere"}; }
+std::vector<std::string> body_shape_names(const Names&) { return {body_shape_words.begin(), body_shape_words.end()}; }
+BodyShape body_shape_named(const std::string& word) {
+  return static_cast<BodyShape>(std::ranges::find(body_shape_words, word) - body_shape_words.begin());
+}
 std::vector<std::string> friction_models(const Names&) { return {"pyramid", "constant"}; }
 std::vector<std::string> friction_axes(const Names&) { return {"plane-space", "sliding"}; }
 std::vector<std::string> cone_names(const Names&) { return {"pyramidal", "elliptic"}; }
@@ -119,11 +123,11 @@ constexpr KeyRow rows[] = {
   {"wall", "restitution", number, "",  0, 1,      false, nullptr, "1", "speed after an impact over speed before",
       [](D& d, S&, const V& v) { d.wall->restitution = v.number; }},
 
-  {"bodies", "shape",    word,    "",      0, 0,       false, shape_names, "box", "of a uniform solid",
-      [](D& d, S&, const V& v) { d.bodies.back().sphere = v.word == "sphere"; }},
+  {"bodies", "shape",    word,    "",      0, 0,       false, body_shape_names, "box", "of a uniform solid; a cylinder and a capsule lie along z",
+      [](D& d, S&, const V& v) { d.bodies.back().shape = body_shape_named(v.word); }},
   {"bodies", "mass",     number,  "kg",    1e-6, 1e6,  false, nullptr, "", "of the body",
       [](D& d, S&, const V& v) { d.bodies.back().mass_kg = v.number; }},
-  {"bodies", "size",     numbers, "m",     1e-4, 1e3,  false, nullptr, "", "sides along the body's own axes; of a sphere the diameter, three times",
+  {"bodies", "size",     numbers, "m",     1e-4, 1e3,  false, nullptr, "", "sides of the box around it, along the body's own axes; of a sphere the diameter, three times",
       [](D& d, S&, const V& v) { d.bodies.back().size_m = vector(v); }, 3},
   {"bodies", "position", numbers, "m",     -1e4, 1e4,  false, nullptr, "0", "of the centre at t = 0, from where [joint] displaces the first body; this and the next three along the ground where there is one: downhill, across, away",
       [](D& d, S&, const V& v) { d.bodies.back().position_m = vector(v); }, 3},
@@ -140,6 +144,19 @@ constexpr KeyRow rows[] = {
       [](D& d, S&, const V& v) { d.bodies.back().name = v.word; }},
   {"bodies", "inertia",  numbers, "kg m²", -1e9, 1e9,  false, nullptr, "that of a uniform solid", "xx, yy, zz, xy, xz, yz of the tensor about the centre, along the body's own axes",
       [](D& d, S&, const V& v) { std::ranges::copy(v.numbers, d.bodies.back().inertia_kgm2.emplace().begin()); }, 6},
+
+  {"shapes", "body",     label,   "",      0, 0,       false, nullptr, "", "name of the body that has this shape as well",
+      [](D& d, S&, const V& v) { d.shapes.back().body = v.word; }},
+  {"shapes", "shape",    word,    "",      0, 0,       false, body_shape_names, "box", "as of [[bodies]]",
+      [](D& d, S&, const V& v) { d.shapes.back().shape = body_shape_named(v.word); }},
+  {"shapes", "size",     numbers, "m",     1e-4, 1e3,  false, nullptr, "", "as of [[bodies]], along its own axes",
+      [](D& d, S&, const V& v) { d.shapes.back().size_m = vector(v); }, 3},
+  {"shapes", "mass",     number,  "kg",    0, 1e6,     false, nullptr, "0", "that it adds to the body's, as a uniform solid",
+      [](D& d, S&, const V& v) { d.shapes.back().mass_kg = v.number; }},
+  {"shapes", "position", numbers, "m",     -1e3, 1e3,  false, nullptr, "0", "of its centre, from the centre of the body's own shape, along the body's own axes",
+      [](D& d, S&, const V& v) { d.shapes.back().position_m = vector(v); }, 3},
+  {"shapes", "turn",     numbers, "rad",   -1e3, 1e3,  false, nullptr, "0", "rotation vector that turns the body's own axes into those of the shape",
+      [](D& d, S&, const V& v) { d.shapes.back().turn_rad = vector(v); }, 3},
 
   {"joints", "kind",     word,    "",      0, 0,       false, joint_names, "", "what it holds, and what it leaves free",
       [](D& d, S&, const V& v) { d.joints.back().kind = joint_named(v.word); }},
@@ -320,10 +337,10 @@ constexpr KeyRow rows[] = {
 // clang-format on
 
 constexpr SectionRow sections[] = {
-    {"links", true},    {"wall", false},    {"bodies", true},      {"joints", true}, {"joints.motor", false},
-    {"springs", true},  {"torques", true},  {"controllers", true}, {"struts", true}, {"planes", true},
-    {"contacts", true}, {"ground", false},  {"joint", false},      {"ode", false},   {"bullet", false},
-    {"mujoco", false},  {"maximal", false}, {"tolerances", true}};
+    {"links", true},         {"wall", false},    {"bodies", true},   {"shapes", true},      {"joints", true},
+    {"joints.motor", false}, {"springs", true},  {"torques", true},  {"controllers", true}, {"struts", true},
+    {"planes", true},        {"contacts", true}, {"ground", false},  {"joint", false},      {"ode", false},
+    {"bullet", false},       {"mujoco", false},  {"maximal", false}, {"tolerances", true}};
 
 }  // namespace
 

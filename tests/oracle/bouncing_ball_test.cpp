@@ -28,7 +28,7 @@ Scenario ball(double height, double rate, double restitution) {
   Description description;
   description.problem = &test::problem("bouncing_ball");
   description.ground = GroundTable{0, restitution};
-  description.bodies = {BodyTable{.sphere = true,
+  description.bodies = {BodyTable{.shape = BodyShape::sphere,
                                   .mass_kg = 1,
                                   .size_m = {2 * radius, 2 * radius, 2 * radius},
                                   .position_m = {0, 0, radius + height},

@@ -38,6 +38,26 @@ Scenario ball_on_rail(double restitution) {
   return scenario;
 }
 
+/// The same of a capsule that lies on its side, both ends of which strike at once.
+Scenario capsule_on_rail(double restitution) {
+  Scenario scenario = ball_on_rail(restitution);
+  scenario.mechanism.bodies[0].shape = Capsule{0.2, 0.7};
+  scenario.mechanism.bodies[0].attitude = Vec3{0, std::numbers::pi / 2, 0};
+  return scenario;
+}
+
+/// The same of a ball 0.3 m below the body's centre, beside a box that is higher, all turned.
+Scenario several_on_rail(double restitution) {
+  Scenario scenario = ball_on_rail(restitution);
+  Body& body = scenario.mechanism.bodies[0];
+  body.attitude = Vec3{0, std::numbers::pi / 2, 0};
+  body.inertia_kgm2 = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  body.several = {{Sphere{0.2}, {{0.3, 0, 0}}}, {Box{{0.2, 0.4, 0.1}}, {{0.2, 0.5, 0}}}};
+  body.shape = Box{{0.8, 1.4, 0.2}};
+  scenario.mechanism.obstacles[0].shape = HalfSpace{{0, 0, 1}, -0.3};
+  return scenario;
+}
+
 /// The same, held by a second rail beside the first: a loop, of which the other rail implies everything.
 Scenario ball_on_two_rails(double restitution) {
   Scenario scenario = ball_on_rail(restitution);
@@ -131,13 +151,16 @@ void what_is_not_followed() {
                "body 'ball' comes to rest on what it touches: the reference knows of impacts and not of rest");
   scenario.mechanism.bodies[0].position_m[2] = 0.05;
   CHECK_THROWS(reference::solve_tree(scenario, grid), UserError, "at t = 0 body 'ball' lies 0.05 m inside");
-  // Boxes with each other, and anything that rubs.
+  // Boxes with each other, the rim of a cylinder, and anything that rubs.
   CHECK(reference::is_tree(ball_on_rail(0.5)));
   scenario = ball_on_rail(0.5);
   scenario.mechanism.contacts[0].friction = Friction{0.1};
   CHECK(!reference::is_tree(scenario));
   scenario = ball_on_rail(0.5);
   scenario.mechanism.bodies.push_back({.shape = Box{{1, 1, 1}}, .mass_kg = 1, .position_m = {5, 0, 5}, .name = "box"});
+  CHECK(!reference::is_tree(scenario));
+  scenario.mechanism.bodies[1].shape = Cylinder{1, 1};
+  scenario.mechanism.contacts[0] = {.restitution = 0.5, .first = "box", .second = "floor"};
   CHECK(!reference::is_tree(scenario));
   scenario.mechanism.contacts[0] = {.restitution = 0.5, .first = "ball", .second = "floor"};
   CHECK(reference::is_tree(scenario));
@@ -148,6 +171,8 @@ void what_is_not_followed() {
 int main() {
   a_ball_on_a_floor(ball_on_rail(0.8));
   a_ball_on_a_floor(ball_on_two_rails(0.8));
+  a_ball_on_a_floor(capsule_on_rail(0.8));
+  a_ball_on_a_floor(several_on_rail(0.8));
   the_wall_pendulum();
   a_cradle();
   what_is_not_followed();

@@ -193,7 +193,7 @@ void a_wall_stands_at_its_face() {
 void a_slope_turns_its_impacts_as_well() {
   Description said;
   said.problem = &test::problem("bouncing_ball");
-  said.bodies = {{.sphere = true, .mass_kg = 1, .size_m = {0.1, 0.1, 0.1}, .position_m = {0, 0, 1}}};
+  said.bodies = {{.shape = BodyShape::sphere, .mass_kg = 1, .size_m = {0.1, 0.1, 0.1}, .position_m = {0, 0, 1}}};
   said.ground = GroundTable{};
   Scenario scenario;
   put_bodies(scenario, said);
@@ -244,6 +244,8 @@ std::string_view words_of(Feature feature) {
       return "joints piston, pr, pu, hinge2 or plane2d";
     case Feature::struts:
       return "struts";
+    case Feature::rare_shapes:
+      return "contacts of cylinders, capsules or several shapes of a body";
   }
   return "";
 }

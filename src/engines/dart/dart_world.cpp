@@ -98,6 +98,10 @@ class Pairs final : public dart::collision::CollisionFilter {
 struct ShapeOf {
   dd::ShapePtr operator()(const Box& box) const { return std::make_shared<dd::BoxShape>(eigen(box.sides_m)); }
   dd::ShapePtr operator()(const Sphere& ball) const { return std::make_shared<dd::SphereShape>(ball.diameter_m / 2); }
+  template <class Bar>
+  dd::ShapePtr operator()(const Bar&) const {
+    throw UserError("DART is given boxes and balls to touch, not bars");
+  }
 };
 
 /// A box, and where its centre stands.

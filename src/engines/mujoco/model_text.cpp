@@ -73,6 +73,10 @@ struct Form {
   std::string operator()(const Sphere& ball) const {
     return " type=\"sphere\"" + attribute("size", std::array{ball.diameter_m / 2});
   }
+  template <class Bar>
+  std::string operator()(const Bar&) const {
+    throw UserError("MuJoCo is given boxes and balls to touch, not bars");
+  }
   std::string operator()(const HalfSpace& plane) const {
     return " type=\"plane\" size=\"0 0 1\"" + attribute("pos", plane.offset_m * plane.normal) +
            attribute("zaxis", plane.normal);

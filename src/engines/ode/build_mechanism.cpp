@@ -40,7 +40,15 @@ struct MakeGeom {
     return dCreateBox(space, real(x), real(y), real(z));
   }
   dGeomID operator()(const Sphere& ball) const { return dCreateSphere(space, real(ball.diameter_m / 2)); }
+  dGeomID operator()(const Cylinder& bar) const {
+    return dCreateCylinder(space, real(bar.diameter_m / 2), real(bar.length_m));
+  }
+  dGeomID operator()(const Capsule& bar) const {
+    return dCreateCapsule(space, real(bar.diameter_m / 2), real(bar.length_m - bar.diameter_m));
+  }
 };
+
+constexpr int along_z = 3;  // ODE's number of a bar's direction
 
 struct SetUniform {
   dMass& mass;
@@ -51,6 +59,12 @@ struct SetUniform {
     dMassSetBoxTotal(&mass, total, real(x), real(y), real(z));
   }
   void operator()(const Sphere& ball) const { dMassSetSphereTotal(&mass, total, real(ball.diameter_m / 2)); }
+  void operator()(const Cylinder& bar) const {
+    dMassSetCylinderTotal(&mass, total, along_z, real(bar.diameter_m / 2), real(bar.length_m));
+  }
+  void operator()(const Capsule& bar) const {
+    dMassSetCapsuleTotal(&mass, total, along_z, real(bar.diameter_m / 2), real(bar.length_m - bar.diameter_m));
+  }
 };
 
 dMass mass_of(const Body& body) {
@@ -63,6 +77,17 @@ dMass mass_of(const Body& body) {
     std::visit(SetUniform{mass, real(body.mass_kg)}, body.shape);
   }
   return mass;
+}
+
+void add_geom(dSpaceID space, dBodyID body, const Part& part, bool central) {
+  const dGeomID geom = std::visit(MakeGeom{space}, part.shape);
+  dGeomSetBody(geom, body);
+  if (central) return;  // an offset of nothing costs time, and bits
+  const Vec3& at = part.place.position_m;
+  dMatrix3 rotation{};
+  for (std::size_t k = 0; k < 9; ++k) rotation[4 * (k / 3) + k % 3] = real(part.place.rotation[k]);
+  dGeomSetOffsetPosition(geom, real(at[0]), real(at[1]), real(at[2]));
+  dGeomSetOffsetRotation(geom, rotation);
 }
 
 /// One maker a kind of joint: attached already, between bodies in the place that they have in the closed joint.
@@ -241,12 +266,11 @@ struct MakeObstacle {
 
 dBodyID make_body(dWorldID world, dSpaceID space, const Body& what, const OdeSettings& ode) {
   const dMass mass = mass_of(what);
-  const dGeomID geom = std::visit(MakeGeom{space}, what.shape);
   const dBodyID body = dBodyCreate(world);
   dBodySetGyroscopicMode(body, ode.gyroscopic ? 1 : 0);
   dBodySetFiniteRotationMode(body, ode.rotation == Turning::finite ? 1 : 0);
   dBodySetMass(body, &mass);
-  dGeomSetBody(geom, body);
+  for (const Part& part : what.parts()) add_geom(space, body, part, what.several.empty());
   std::visit(SetAttitude{body}, what.attitude);
   put(body, what.position_m);
   dBodySetLinearVel(body, real(what.velocity_m_s[0]), real(what.velocity_m_s[1]), real(what.velocity_m_s[2]));

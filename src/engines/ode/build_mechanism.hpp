@@ -10,7 +10,7 @@ namespace odeval::engine_ode {
 
 constexpr dReal real(double value) { return static_cast<dReal>(value); }
 
-/// A body with its geom, where and as fast as it starts. Every setting of its own is set.
+/// A body with its geoms, where and as fast as it starts. Every setting of its own is set.
 dBodyID make_body(dWorldID world, dSpaceID space, const Body& body, const OdeSettings& ode);
 
 /// A joint between bodies that stand where they start; the step says what a suspension's ERP and CFM are. Throws

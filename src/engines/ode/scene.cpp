@@ -108,7 +108,8 @@ void Scene::add_mechanism(const Scenario& scenario) {
   std::vector<dBodyID> bodies;
   for (const Body& what : mechanism.bodies) {
     const dBodyID body = bodies.emplace_back(make_body(world_, space_, what, scenario.ode));
-    number(dBodyGetFirstGeom(body), what.name);
+    for (dGeomID geom = dBodyGetFirstGeom(body); geom != nullptr; geom = dBodyGetNextGeom(geom))
+      number(geom, what.name);
     bodies_.push_back(
         {dBodyGetPosition(body), dBodyGetRotation(body), dBodyGetLinearVel(body), dBodyGetAngularVel(body)});
   }
