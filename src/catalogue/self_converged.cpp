@@ -87,8 +87,8 @@ const ReferenceProvider own{"", can_self_converge, self_converged};
 
 bool can_self_converge(const Scenario& scenario) {
   const Mechanism& mechanism = scenario.mechanism;
-  return !scenario.planar && !mechanism.joints.empty() && !mechanism.contacts.empty() &&
-         std::ranges::none_of(mechanism.joints, &Joint::sampled) && does(find_method(engine), scenario);
+  return scenario.named && !mechanism.contacts.empty() && std::ranges::none_of(mechanism.joints, &Joint::sampled) &&
+         does(find_method(engine), scenario);
 }
 
 Reference self_converged(const Scenario& scenario, const SampleGrid& grid) {

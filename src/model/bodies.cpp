@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "model/draft.hpp"
@@ -49,6 +50,7 @@ void make_thin(Draft& draft) {
   constexpr double least_m = 1e-4;
   for (std::size_t i = 0; i < draft.said.bodies.size(); ++i) {
     BodyTable& body = draft.said.bodies[i];
+    if (body.size_m == Vec3{}) continue;  // has none, or lacks it
     for (const std::size_t side : {0, 1}) {
       body.size_m[side] /= body.aspect;
       if (body.size_m[side] >= least_m) continue;
@@ -98,6 +100,30 @@ void check_shapes(const Draft& draft) {
   }
 }
 
+/// A body has a size, or no shape of its own and then an inertia.
+void check_has_size(const Draft& draft, std::size_t number) {
+  const BodyTable& body = draft.said.bodies[number];
+  const toml::table& table = *draft.tree["bodies"][number].as_table();
+  const auto fail = [&](const char* key, const std::string& rule) {
+    draft.fail(fmt::format("bodies.{}.{}", number, key), "", rule, Draft::Blame::parts);
+  };
+  if (body.shape != BodyShape::none) {
+    if (table.contains("size")) return check_size(draft, fmt::format("bodies.{}", number), body.shape, body.size_m);
+    fail("size", fmt::format("is missing; it {}", rule_of(*find_key("bodies", "size"), draft.names)));
+  }
+  if (!draft.said.problem->joints) {
+    draft.fail(fmt::format("bodies.{}.shape", number), "none",
+               fmt::format("has no meaning for {}", draft.said.problem->name));
+  }
+  for (const char* key : {"size", "aspect"}) {
+    if (table.contains(key)) fail(key, "has no meaning for shape none; remove it");
+  }
+  if (!body.inertia_kgm2) fail("inertia", "is missing; a body of shape none needs it");
+  const bool has_some = std::ranges::any_of(
+      draft.said.shapes, [&](const ShapeTable& shape) { return !body.name.empty() && shape.body == body.name; });
+  if (!has_some) fail("shape", "must not be none for a body that no [[shapes]] are of");
+}
+
 void check_bodies(const Draft& draft) {
   for (const char* key : {"n", "links", "q0", "qd0", "maximal"}) draft.refuse(key);
   if (draft.said.bodies.empty()) {
@@ -111,7 +137,7 @@ void check_bodies(const Draft& draft) {
   }
   for (std::size_t i = 0; i < draft.said.bodies.size(); ++i) {
     const BodyTable& body = draft.said.bodies[i];
-    check_size(draft, fmt::format("bodies.{}", i), body.shape, body.size_m);
+    check_has_size(draft, i);
     if (draft.said.ground && body.shape != BodyShape::box && body.shape != BodyShape::sphere) {
       draft.fail(fmt::format("bodies.{}.shape", i), word_of(body.shape),
                  "must be box or sphere on a [ground]; the [[planes]] of a mechanism bear all shapes");

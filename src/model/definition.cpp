@@ -30,10 +30,9 @@ void add_link(Section section, const Link& link) {
 }
 
 void add_body(Section section, const BodyTable& body) {
-  section.add("shape", word_of(body.shape))
-      .add("mass", body.mass_kg)
-      .add("size", body.size_m)
-      .add("position", body.position_m)
+  section.add("shape", word_of(body.shape)).add("mass", body.mass_kg);
+  if (body.shape != BodyShape::none) section.add("size", body.size_m);
+  section.add("position", body.position_m)
       .add("turn", body.turn_rad)
       .add("velocity", body.velocity_m_s)
       .add("spin", body.spin_rad_s)

@@ -11,14 +11,14 @@
 
 namespace odeval {
 
-enum class BodyShape { box, sphere, cylinder, capsule };
+enum class BodyShape { box, sphere, cylinder, capsule, none };
 /// In the order of the enumeration.
-constexpr std::array<std::string_view, 4> body_shape_words{"box", "sphere", "cylinder", "capsule"};
+constexpr std::array<std::string_view, 5> body_shape_words{"box", "sphere", "cylinder", "capsule", "none"};
 inline std::string word_of(BodyShape shape) { return std::string(body_shape_words[static_cast<std::size_t>(shape)]); }
 
 /// One table [[bodies]].
 struct BodyTable {
-  BodyShape shape = BodyShape::box;
+  BodyShape shape = BodyShape::box;  // none: those of its tables [[shapes]] alone
   double mass_kg = 0;
   Vec3 size_m{};        // of the box around it, along its own axes
   Vec3 position_m{};    // of its centre
@@ -36,7 +36,7 @@ struct ShapeTable {
   BodyShape shape = BodyShape::box;
   double mass_kg = 0;
   Vec3 size_m{};      // as a body's
-  Vec3 position_m{};  // from the centre of the body's own shape, along the body's own axes
+  Vec3 position_m{};  // from the centre that the body's `position` is of, along the body's own axes
   Vec3 turn_rad{};    // against them
 };
 

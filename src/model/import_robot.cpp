@@ -92,9 +92,9 @@ struct Lump {
   std::string name;
   std::vector<std::size_t> links = {};
   double mass_kg = 0;
-  Vec3 centre_m{};     // in the frame of the first
-  Rotation inertia{};  // about it, along the axes of the first
-  Vec3 sides_m{};      // of a box that is drawn for it
+  Vec3 centre_m{};                        // in the frame of the first
+  Rotation inertia{};                     // about it, along the axes of the first
+  std::vector<Robot::Solid> solids = {};  // in the frame of the first; a mesh is the box around it
 };
 
 class Import {
@@ -113,7 +113,7 @@ class Import {
     place_links();
     lump_links();
     for (Lump& lump : lumps_) weigh(lump);
-    for (Lump& lump : lumps_) lump.sides_m = sides_of(lump);
+    for (Lump& lump : lumps_) collect_solids(lump);
     remark_shapes();
     write();
     return std::move(out_);
@@ -282,37 +282,28 @@ class Import {
     return {i[0], i[4], i[8], (i[1] + i[3]) / 2, (i[2] + i[6]) / 2, (i[5] + i[7]) / 2};
   }
 
-  /// The box around its shapes, or without them the box that has its moments.
-  Vec3 sides_of(const Lump& lump) {
-    constexpr double huge = 1e9;
-    Vec3 low{huge, huge, huge};
-    Vec3 high{-huge, -huge, -huge};
+  void collect_solids(Lump& lump) {
     const Frame from_world = inverse(places_[lump.base]);
-    bool any = false;
     for (const std::size_t i : lump.links) {
       for (const Robot::Solid& said : robot_.links[i].solids) {
-        const auto solid = with_sides(robot_.links[i], said);
+        auto solid = with_sides(robot_.links[i], said);
         if (!solid) continue;
-        any = true;
-        const Frame at = from_world * places_[i] * solid->frame;
-        for (std::size_t k = 0; k < 3; ++k) {
-          double half = 0;
-          for (std::size_t side = 0; side < 3; ++side) {
-            half += std::fabs(at.rotation[3 * k + side]) * solid->sides_m[side] / 2;
-          }
-          low[k] = std::fmin(low[k], at.position_m[k] - half);
-          high[k] = std::fmax(high[k], at.position_m[k] + half);
-        }
+        solid->frame = from_world * places_[i] * solid->frame;
+        lump.solids.push_back(std::move(*solid));
       }
     }
-    Vec3 sides = high - low;
+  }
+
+  /// Of a box that has the moments of a lump without shapes.
+  static Vec3 sides_of(const Lump& lump) {
+    Vec3 sides{};
     const double trace = lump.inertia[0] + lump.inertia[4] + lump.inertia[8];
     for (std::size_t k = 0; k < 3; ++k) {
-      if (!any) sides[k] = std::sqrt(std::fmax(0, 6 * (trace - 2 * lump.inertia[4 * k]) / lump.mass_kg));
-      sides[k] = std::clamp(sides[k], 1e-4, 1e3);  // what a file may have
+      sides[k] = in_file(std::sqrt(std::fmax(0, 6 * (trace - 2 * lump.inertia[4 * k]) / lump.mass_kg)));
     }
     return sides;
   }
+  static double in_file(double side_m) { return std::clamp(side_m, 1e-4, 1e3); }  // what a file may have
 
   /// With the sides of a mesh; nothing where those are not known.
   std::optional<Robot::Solid> with_sides(const Robot::Link& link, const Robot::Solid& said) {
@@ -341,7 +332,7 @@ class Import {
         if (mesh && !has_mesh_box(solid.file)) {
           robot_.remark("meshes", "not taken: of a format that is not read; STL and OBJ are", solid.file);
         } else if (mesh) {
-          robot_.remark("meshes", "as the box around them, which is drawn; --meshes refuse refuses them", solid.file);
+          robot_.remark("meshes", "as the box around them; --meshes refuse refuses them", solid.file);
         } else if (solid.form == Form::plane || solid.form == Form::other) {
           robot_.remark("shapes", "not taken: no box stands around them", link.name);
         }
@@ -350,12 +341,14 @@ class Import {
         return solid.form != Form::plane && solid.form != Form::other;
       };
       if (std::ranges::none_of(link.solids, boxed)) continue;
-      robot_.remark("collision shapes", "drawn as one box a body about its centre of mass; nothing touches", link.name);
+      robot_.remark("collision shapes", "as [[shapes]], which are drawn and touch nothing until [[contacts]] are added",
+                    link.name);
     }
   }
 
   void write();
   void write_bodies(std::string& text) const;
+  static void write_shape(std::string& text, const Lump& lump, const Robot::Solid& solid);
   void write_joint(std::string& text, std::size_t link, const std::string& name) const;
 
   const std::filesystem::path& file_;
@@ -374,12 +367,26 @@ std::string shown(const Vec3& v) { return fmt::format("[{}, {}, {}]", v[0], v[1]
 void Import::write_bodies(std::string& text) const {
   for (const Lump& lump : lumps_) {
     const Frame& place = places_[lump.base];
-    text += fmt::format("\n[[bodies]]\nname     = \"{}\"\nmass     = {}\nsize     = {}\nposition = {}\nturn     = {}\n",
-                        lump.name, lump.mass_kg, shown(lump.sides_m),
-                        shown(place.position_m + turned(place.rotation, lump.centre_m)),
+    text += fmt::format("\n[[bodies]]\nname     = \"{}\"\nmass     = {}\nposition = {}\nturn     = {}\n", lump.name,
+                        lump.mass_kg, shown(place.position_m + turned(place.rotation, lump.centre_m)),
                         shown(rotation_vector_of(place.rotation)));
+    text += lump.solids.empty() ? fmt::format("size     = {}\n", shown(sides_of(lump))) : "shape    = \"none\"\n";
     text += fmt::format("inertia  = [{}]\n", fmt::join(inertia_of(lump), ", "));
+    for (const Robot::Solid& solid : lump.solids) write_shape(text, lump, solid);
   }
+}
+
+void Import::write_shape(std::string& text, const Lump& lump, const Robot::Solid& solid) {
+  Vec3 sides = solid.sides_m;
+  for (double& side : sides) side = in_file(side);
+  const char* word = "box";
+  if (solid.form == Form::cylinder) word = "cylinder";
+  if (solid.form == Form::capsule) word = sides[2] > sides[0] ? "capsule" : "sphere";
+  if (solid.form == Form::sphere) word = "sphere";
+  text +=
+      fmt::format("\n[[shapes]]\nbody     = \"{}\"\nshape    = \"{}\"\nsize     = {}\nposition = {}\nturn     = {}\n",
+                  lump.name, word, shown(sides), shown(solid.frame.position_m - lump.centre_m),
+                  shown(rotation_vector_of(solid.frame.rotation)));
 }
 
 void Import::write_joint(std::string& text, std::size_t link, const std::string& name) const {

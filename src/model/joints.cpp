@@ -281,10 +281,6 @@ std::optional<std::size_t> Description::body_named(std::string_view name) const 
 void settle_joints(Draft& draft) {
   name_bodies(draft);
   for (std::size_t i = 0; i < draft.said.bodies.size(); ++i) check_inertia(draft, i);
-  if (draft.said.joints.empty()) {
-    draft.fail("joints", "0 tables",
-               fmt::format("must be tables [[joints]], at least one, for {}", draft.said.problem->name));
-  }
   check_ends(draft, "joints", draft.said.joints);
   check_struts(draft);
   name_joints(draft);

@@ -23,6 +23,7 @@ Shape shape_of(BodyShape shape, const Vec3& size_m) {
     case BodyShape::capsule:
       return Capsule{size_m[0], size_m[2]};
     case BodyShape::box:
+    case BodyShape::none:  // a box of no size, until it has others
       break;
   }
   return Box{size_m};
@@ -74,7 +75,7 @@ Box box_around(const std::vector<Part>& parts) {
 
 /// Makes the body, which is its own shape so far, one of several: its mass, its centre of mass and its inertia are
 /// those of all together.
-void add_shapes(Body& body, const std::vector<ShapeTable>& tables) {
+void add_shapes(Body& body, const std::vector<ShapeTable>& tables, bool none_of_its_own) {
   std::vector<Part> parts{{body.shape}};
   std::vector<double> masses{body.mass_kg};
   std::vector<Rotation> tensors{body.inertia_kgm2.value_or(tensor_of(body.shape, body.mass_kg))};
@@ -104,6 +105,7 @@ void add_shapes(Body& body, const std::vector<ShapeTable>& tables) {
   body.position_m = body.position_m + away;
   body.velocity_m_s = body.velocity_m_s + cross(body.spin_rad_s, away);
   body.inertia_kgm2 = whole;
+  if (none_of_its_own) parts.erase(parts.begin());
   body.shape = box_around(parts);
   body.several = std::move(parts);
 }
@@ -212,7 +214,8 @@ void put_bodies(Scenario& scenario, const Description& description) {
   scenario.named = description.problem->joints;
   std::size_t number = 0;
   for (const BodyTable& table : description.bodies) scenario.mechanism.bodies.push_back(body_of(table, ++number));
-  for (Body& body : scenario.mechanism.bodies) add_shapes(body, description.shapes);
+  for (std::size_t i = 0; i < description.bodies.size(); ++i)
+    add_shapes(scenario.mechanism.bodies[i], description.shapes, description.bodies[i].shape == BodyShape::none);
   if (description.joint) {
     scenario.mechanism.joints.push_back(joint_of(*description.joint, description.bodies.size() > 1));
   }

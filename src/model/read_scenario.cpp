@@ -27,20 +27,18 @@ void check_name(const Scenario& scenario) {
   }
 }
 
-/// Wall, ground and joint: there if the problem has them, and no others.
+/// Wall, ground and joint: there if the problem has them, and no others. Bodies of a mechanism may all fly.
 void check_sections(const Draft& draft) {
   const Problem& problem = *draft.said.problem;
-  for (const auto& [section, needed] : {std::pair{"wall", problem.wall}, std::pair{"ground", problem.ground},
-                                        std::pair{"joint", problem.joint}, std::pair{"joints", problem.joints}}) {
+  for (const auto& [section, needed] :
+       {std::pair{"wall", problem.wall}, std::pair{"ground", problem.ground}, std::pair{"joint", problem.joint}}) {
     if (needed && !draft.tree.contains(section)) {
-      const bool list = section == std::string_view("joints");
-      draft.fail(section, "",
-                 fmt::format("is missing; {} needs {}", problem.name,
-                             list ? fmt::format("[[{}]]", section) : fmt::format("[{}]", section)));
+      draft.fail(section, "", fmt::format("is missing; {} needs [{}]", problem.name, section));
     }
     if (!needed) draft.refuse(section);
   }
   if (!problem.joints) {
+    draft.refuse("joints");
     for (const char* key : {"name", "inertia"}) draft.refuse_in("bodies", key);
     for (const char* list : {"shapes", "springs", "torques", "controllers", "planes", "contacts", "struts"})
       draft.refuse(list);

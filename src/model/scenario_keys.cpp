@@ -22,6 +22,7 @@ std::vector<std::string> problem_names(const Names&) {
 }
 std::vector<std::string> shape_names(const Names&) { return {"box", "sphere"}; }
 std::vector<std::string> body_shape_names(const Names&) { return {body_shape_words.begin(), body_shape_words.end()}; }
+std::vector<std::string> solid_names(const Names&) { return {body_shape_words.begin(), body_shape_words.end() - 1}; }
 BodyShape body_shape_named(const std::string& word) {
   return static_cast<BodyShape>(std::ranges::find(body_shape_words, word) - body_shape_words.begin());
 }
@@ -123,11 +124,11 @@ constexpr KeyRow rows[] = {
   {"wall", "restitution", number, "",  0, 1,      false, nullptr, "1", "speed after an impact over speed before",
       [](D& d, S&, const V& v) { d.wall->restitution = v.number; }},
 
-  {"bodies", "shape",    word,    "",      0, 0,       false, body_shape_names, "box", "of a uniform solid; a cylinder and a capsule lie along z",
+  {"bodies", "shape",    word,    "",      0, 0,       false, body_shape_names, "box", "of a uniform solid; a cylinder and a capsule lie along z; none: what [[shapes]] it has",
       [](D& d, S&, const V& v) { d.bodies.back().shape = body_shape_named(v.word); }},
   {"bodies", "mass",     number,  "kg",    1e-6, 1e6,  false, nullptr, "", "of the body",
       [](D& d, S&, const V& v) { d.bodies.back().mass_kg = v.number; }},
-  {"bodies", "size",     numbers, "m",     1e-4, 1e3,  false, nullptr, "", "sides of the box around it, along the body's own axes; of a sphere the diameter, three times",
+  {"bodies", "size",     numbers, "m",     1e-4, 1e3,  false, nullptr, "has to be said, but for shape none", "sides of the box around it, along the body's own axes; of a sphere the diameter, three times",
       [](D& d, S&, const V& v) { d.bodies.back().size_m = vector(v); }, 3},
   {"bodies", "position", numbers, "m",     -1e4, 1e4,  false, nullptr, "0", "of the centre at t = 0, from where [joint] displaces the first body; this and the next three along the ground where there is one: downhill, across, away",
       [](D& d, S&, const V& v) { d.bodies.back().position_m = vector(v); }, 3},
@@ -147,13 +148,13 @@ constexpr KeyRow rows[] = {
 
   {"shapes", "body",     label,   "",      0, 0,       false, nullptr, "", "name of the body that has this shape as well",
       [](D& d, S&, const V& v) { d.shapes.back().body = v.word; }},
-  {"shapes", "shape",    word,    "",      0, 0,       false, body_shape_names, "box", "as of [[bodies]]",
+  {"shapes", "shape",    word,    "",      0, 0,       false, solid_names, "box", "as of [[bodies]]",
       [](D& d, S&, const V& v) { d.shapes.back().shape = body_shape_named(v.word); }},
   {"shapes", "size",     numbers, "m",     1e-4, 1e3,  false, nullptr, "", "as of [[bodies]], along its own axes",
       [](D& d, S&, const V& v) { d.shapes.back().size_m = vector(v); }, 3},
   {"shapes", "mass",     number,  "kg",    0, 1e6,     false, nullptr, "0", "that it adds to the body's, as a uniform solid",
       [](D& d, S&, const V& v) { d.shapes.back().mass_kg = v.number; }},
-  {"shapes", "position", numbers, "m",     -1e3, 1e3,  false, nullptr, "0", "of its centre, from the centre of the body's own shape, along the body's own axes",
+  {"shapes", "position", numbers, "m",     -1e3, 1e3,  false, nullptr, "0", "of its centre, from the one that the body's `position` is of, along the body's own axes",
       [](D& d, S&, const V& v) { d.shapes.back().position_m = vector(v); }, 3},
   {"shapes", "turn",     numbers, "rad",   -1e3, 1e3,  false, nullptr, "0", "rotation vector that turns the body's own axes into those of the shape",
       [](D& d, S&, const V& v) { d.shapes.back().turn_rad = vector(v); }, 3},

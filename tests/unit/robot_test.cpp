@@ -32,7 +32,8 @@ const std::string arm = R"(<robot name="arm">
   </link>
   <link name="bracket">
     <inertial><origin xyz="0 0 0.1" rpy="0 0 1.0"/><mass value="0.5"/>
-      <inertia ixx="0.002" iyy="0.003" izz="0.004" ixy="0" ixz="0" iyz="0"/></inertial></link>
+      <inertia ixx="0.002" iyy="0.003" izz="0.004" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><origin xyz="0 0 0.1"/><geometry><cylinder radius="0.05" length="0.3"/></geometry></collision></link>
   <link name="mark"/>
   <link name="fore">
     <inertial><origin xyz="0.2 0 0" rpy="0 0.7 0"/><mass value="1"/>
@@ -140,6 +141,16 @@ void an_arm_is_what_its_file_says() {
   check_near(upper.position_m, {c * centre[0] - s * centre[1], s * centre[0] + c * centre[1], 1 + centre[2]}, rounding);
   check_near(rotation_vector(upper.attitude), {0, 0, 0.5}, rounding);
 
+  // Its shapes: a box of its own, and the bracket's cylinder, turned by the weld.
+  CHECK_EQUAL(upper.parts().size(), 2u);
+  check_near(std::get<Box>(upper.parts()[0].shape).sides_m, {0.1, 0.2, 0.5}, 0);
+  check_near(upper.parts()[0].place.position_m, Vec3{0, 0, 0.25} - centre, rounding);
+  CHECK_EQUAL(std::get<Cylinder>(upper.parts()[1].shape).diameter_m, 0.1);
+  CHECK_EQUAL(std::get<Cylinder>(upper.parts()[1].shape).length_m, 0.3);
+  check_near(upper.parts()[1].place.position_m, bracket - centre, rounding);
+  check_near(axis_of(upper.parts()[1].place.rotation, 2), up, 4 * rounding);
+  CHECK_EQUAL(body(scenario, "fore").parts().size(), 1u);  // has none: the box that has its moments
+
   const Joint& shoulder = joint(scenario, "shoulder");
   check_near(std::get<HingeJoint>(shoulder.kind).axis, {-s, c, 0}, rounding);
   CHECK_EQUAL(shoulder.stop->low, -1.0);
@@ -183,7 +194,15 @@ void a_world_is_what_its_file_says() {
   CHECK_EQUAL(elbow.springs.front().rest, -0.2);
   CHECK(std::holds_alternative<BallJoint>(joint(scenario, "thing__neck").kind));
   CHECK(std::holds_alternative<UniversalJoint>(joint(scenario, "thing__gimbal").kind));
-  CHECK_EQUAL(body(scenario, "thing__hull").mass_kg, 2.0);
+  const Body& hull = body(scenario, "thing__hull");
+  CHECK_EQUAL(hull.mass_kg, 2.0);
+  // An SDFormat capsule's length is without its ends; both shapes stand against the centre of mass at x = 0.1.
+  CHECK_EQUAL(hull.parts().size(), 2u);
+  CHECK_EQUAL(std::get<Capsule>(hull.parts()[0].shape).diameter_m, 0.2);
+  CHECK_EQUAL(std::get<Capsule>(hull.parts()[0].shape).length_m, 0.5);
+  check_near(hull.parts()[0].place.position_m, {-0.1, 0, 0}, 1e-15);
+  CHECK_EQUAL(std::get<Sphere>(hull.parts()[1].shape).diameter_m, 0.2);
+  check_near(hull.parts()[1].place.position_m, {0.1, 0, 0}, 1e-15);
 }
 
 /// Rounding of sums over a few bodies: 3e-14 measured. Of the mistakes below the least shows as 1e-6.

@@ -1,10 +1,12 @@
 #include "engines/ode/scene.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
 #include "engines/ode/library.hpp"
+#include "odeval/error.hpp"
 
 namespace odeval::engine_ode {
 namespace {
@@ -45,6 +47,36 @@ Surface surface_of(const Contact& contact, const OdeSettings& ode) {
   if (!surface.shared) surface.parameters.mode |= dContactApprox1;
   surface.along_sliding = ode.friction_axes == FrictionAxes::sliding;
   return surface;
+}
+
+/// Whether cylinders touch cylinders and capsules: ODE has that of libccd, which a build may leave out, and then finds
+/// no contact.
+bool has_libccd() {
+  const std::array geoms{dCreateCylinder(nullptr, 1, 1), dCreateCylinder(nullptr, 1, 1)};
+  dGeomSetPosition(geoms[1], real(0.5), real(0.25), real(0.125));
+  dContactGeom contact;
+  const int found = dCollide(geoms[0], geoms[1], 1, &contact, sizeof contact);
+  for (const dGeomID geom : geoms) dGeomDestroy(geom);
+  return found > 0;
+}
+
+/// Throws UserError for bodies that should touch and would pass through each other.
+void check_shapes(const Mechanism& mechanism) {
+  const auto has = [](const Body& body, auto is) {
+    return std::ranges::any_of(body.parts(), [&](const Part& part) { return is(part.shape); });
+  };
+  const auto is_cylinder = [](const Shape& shape) { return std::holds_alternative<Cylinder>(shape); };
+  for (const Body& first : mechanism.bodies) {
+    if (!has(first, is_cylinder)) continue;
+    for (const Body& second : mechanism.bodies) {
+      const auto is_it = [&](const Contact& contact) { return contact.is_between(first.name, second.name); };
+      if (&first == &second || !has(second, is_bar) || std::ranges::none_of(mechanism.contacts, is_it)) continue;
+      if (has_libccd()) return;
+      throw UserError(
+          "bodies '" + first.name + "' and '" + second.name +
+          "' cannot touch: this ODE was built without libccd, which has cylinders touch cylinders and capsules");
+    }
+  }
 }
 
 }  // namespace
@@ -139,6 +171,7 @@ void Scene::number(dGeomID geom, std::string_view name) {
 void Scene::set_surfaces(const Scenario& scenario) {
   const std::vector<Contact>& contacts = scenario.mechanism.contacts;
   if (contacts.empty()) return;
+  check_shapes(scenario.mechanism);
   for (const Contact& contact : contacts) surfaces_.push_back(surface_of(contact, scenario.ode));
   for (const std::string& first : names_) {
     for (const std::string& second : names_) {
