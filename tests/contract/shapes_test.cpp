@@ -89,8 +89,7 @@ void geoms_stand_where_they_should(const Shape& shape, const Precision& precisio
   std::mt19937 random(7);
   const Frame place{{0.4, -0.6, 0.5}, rotation_of_vector({-0.9, 0.3, 1.4})};
   const Body body = body_with(shape, place);
-  const Frame in_world =
-      Frame{body.position_m, rotation_of_vector(rotation_vector(body.attitude))} * place;
+  const Frame in_world = Frame{body.position_m, rotation_of_vector(rotation_vector(body.attitude))} * place;
   int tried = 0;
   while (tried < 20) {
     const Vec3 normal = random_direction(random);

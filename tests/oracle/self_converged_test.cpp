@@ -16,6 +16,7 @@ using namespace odeval;
 Scenario braked(double friction) {
   Scenario scenario;
   scenario.name = scenario.file = "braked";
+  scenario.named = true;
   scenario.duration_s = 0.8;
   scenario.mechanism.bodies = {Body{.shape = Box{{0.2, 0.2, 0.2}},
                                     .mass_kg = 2,

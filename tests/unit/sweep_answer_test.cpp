@@ -272,8 +272,8 @@ const std::vector<Case> cases{
     {"open_hinge", "sample=0.01", {"step=0.001,0.002"}, {}},
 };
 
-/// No scenario that is shipped has [[planes]]: a ball that is about to strike a floor that slides beneath it, and one
-/// that falls beside it.
+/// No scenario that is shipped has [[planes]] or [[shapes]]: a ball that is about to strike a floor that slides beneath
+/// it, one that falls beside it, and one that swings with what is fastened to it.
 constexpr const char* dropped_file = R"(
 problem = "mechanism"
 duration = 0.12
@@ -304,6 +304,11 @@ parent = "world"
 child = "bob"
 anchor = [0.0, 2.0, 3.0]
 axis = [0.0, 1.0, 0.0]
+[[shapes]]
+body = "bob"
+mass = 0.5
+size = [0.1, 0.2, 0.1]
+position = [0.1, 0.0, 0.0]
 [[planes]]
 name = "floor"
 [[contacts]]
@@ -318,9 +323,12 @@ const std::vector<Case> cases_of_contacts{
      "",
      {"planes.0.normal=[0,0,1],[0.1,0,1]", "planes.0.point=[0,0,0],[0,0,0.01]",
       "contacts.0.between=[\"ball\",\"floor\"],[\"other\",\"floor\"]", "contacts.0.restitution=0.5,0.8",
-      "contacts.0.friction=0.1,0.2"},
+      "contacts.0.friction=0.1,0.2", "shapes.0.body=\"bob\",\"other\"", "shapes.0.mass=0.5,0.6",
+      "shapes.0.size=[0.1,0.2,0.1],[0.1,0.2,0.2]", "shapes.0.position=[0.1,0,0],[0.2,0,0]",
+      "shapes.0.turn=[0,0,0],[0.5,0,0]"},
      {},
      {"ode.erp=0.2,0.5", "limit=\"springs\",\"numbers\""}},  // of what may need ODE's own limit as its reference
+    {"", "shapes.0.size=[0.1,0.1,0.1]", {"shapes.0.shape=\"box\",\"sphere\""}, {}},
     // What rubs has ODE's own limit as its reference, which everything moves.
     {"", "contacts.0.friction=0.1", {"limit=\"springs\",\"numbers\"", "ode.erp=0.2,0.5"}, {}},
 };
@@ -357,8 +365,8 @@ std::string key_of(const std::string& axis) {
 
 /// What a build without Simbody has no reference for.
 const std::set<std::string_view> mechanisms{"three_link_arm", "cart_pole", "acrobot", "iftomm_governor"};
-const std::set<std::string_view> of_mechanisms{"joints",      "joints.motor", "springs", "torques",
-                                               "controllers", "struts",       "planes",  "contacts"};
+const std::set<std::string_view> of_mechanisms{"joints", "joints.motor", "springs",  "torques", "controllers",
+                                               "struts", "planes",       "contacts", "shapes"};
 const std::set<std::string_view> keys_of_mechanisms{"bodies.inertia", "limit"};
 
 void runs_share_the_reference_of_their_motion(const fs::path& dropped) {
