@@ -141,6 +141,52 @@ void check_energy(void (*build)(World&), double restitution, double friction, do
   CHECK(step.crowded_steps() > 0);
 }
 
+void boxes_on_stairs(World& world) {
+  for (int i = 0; i < 12; ++i) dGeomSetPosition(dCreateBox(world.space, 0.5, 4, 0.25), 0.4 * i, 0, -0.25 * i - 0.125);
+  dCreatePlane(world.space, 0, 0, 1, -3.2);
+  for (int i = 0; i < 8; ++i) {
+    const Vector3d place(0.1 * (i % 2), 0.3 * (i % 4) - 0.5, 0.4 + 0.3 * (i / 4));
+    World::move(world.box(1, {0.3, 0.25, 0.2}, place), {1.5, 0, 0}, {0, 1, 0.3 * i});
+  }
+}
+
+/// What turns by an angle x in a step of the fourth order changes its energy of motion by less than a share of x^5.
+double flight_error(const World& world, double h) {
+  double sum = 0;
+  for (const dBodyID body : world.bodies) {
+    const Vector3d v = vec(dBodyGetLinearVel(body)), w = vec(dBodyGetAngularVel(body));
+    const double energy = World::mass(body) * v.squaredNorm() / 2 + w.dot(World::inertia(body) * w) / 2;
+    sum += energy * std::pow(h * w.norm(), 5);
+  }
+  return sum;
+}
+
+/// No step adds energy, in crowds or out of them, where nothing drives: not even what contacts took in steps before.
+/// Still it comes to rest, and lies no deeper than what rests.
+void check_never_rises(const Scene& scene, double restitution, double friction, int steps) {
+  constexpr double h = 5e-3;
+  World world;
+  scene.build(world);
+  AccurateStepOptions options;
+  options.contact = [=](dGeomID, dGeomID) { return std::optional(Bounce{restitution, friction}); };
+  AccurateStep step(world.id, world.space, options);
+  const double start = std::fabs(world.energy());
+  double last = world.energy(), rise = 0;
+  for (int k = 0; k < steps; ++k) {
+    const double in_flight = flight_error(world, h);
+    step(h);
+    rise = std::max(rise, (world.energy() - last) - in_flight - flight_error(world, h));
+    last = world.energy();
+  }
+  std::printf(
+      "%-12s restitution %g, friction %g: %zu crowded steps; no step adds more than %.2g of the energy; "
+      "overlap %.2g m\n",
+      scene.name, restitution, friction, step.crowded_steps(), rise / start, overlap(world));
+  CHECK_BETWEEN(rise, -HUGE_VAL, 1e-12 * start);
+  CHECK(step.crowded_steps() > 10);
+  CHECK_BETWEEN(overlap(world), 0, scene.overlap);
+}
+
 /// Elastic balls that fall on each other between walls: no step changes their energy. Rounding: 1e-14 of the kinetic
 /// energy is let pass in each part of a step.
 void check_elastic(int count) {
@@ -284,6 +330,13 @@ int main() {
   check_energy(balls, 0.977, 1, 5e-3);
   check_energy(wall, 0, 0, 1e-2);
   check_energy(wall, 0.84, 0.58, 5e-3);
+  for (const double friction : {0.0, 0.5}) {
+    check_never_rises(scenes[0], 0, friction, 600);
+    check_never_rises(scenes[1], 0, friction, 200);
+    check_never_rises({"on stairs", boxes_on_stairs, 1e-6}, 0, friction, 800);
+  }
+  check_never_rises({"on stairs", boxes_on_stairs, 1e-6}, 0.5, 0, 800);
+  check_never_rises(scenes[2], 0, 0, 1600);
   for (const int count : {30, 60}) check_elastic(count);
   check_crowd_ends();
   check_rest_in_crowd();

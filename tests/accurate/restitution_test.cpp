@@ -191,6 +191,7 @@ struct Watched {
       return std::optional(bounce);
     };
     options.impact_order = order;
+    options.order = 8;  // what turns between impacts keeps its energy to rounding
     options.rest_speed = elastic ? 0 : 1e-3;
     options.before_impact = [&](const Touch&) {
       energy = kinetic(world);
@@ -213,12 +214,6 @@ struct Watched {
   Vector3d momentum, angular;
   int impacts = 0, losses = 0;
 };
-
-double fastest_spin(const World& world) {
-  double fastest = 0;
-  for (const dBodyID body : world.bodies) fastest = std::max(fastest, vec(dBodyGetAngularVel(body)).norm());
-  return fastest;
-}
 
 /// Places of a cubic lattice of spacing 1 beside each other: bodies of unit size touch to rounding.
 std::vector<Vector3d> places(Random& random, int count) {
@@ -279,15 +274,11 @@ Counts check_cluster(unsigned seed) {
     const double energy = kinetic(world);
     const Vector3d momentum = world.momentum();
     (*watched.step)(h);
-    // Between impacts what turns on joints by an angle x in a step changes its energy by less than a share of x^5.
-    const double turned = jointed ? h * fastest_spin(world) : 0;
-    const double rounding = energy_rounding + std::pow(turned, 5);
-    CHECK_BETWEEN(kinetic(world), 0, energy * (1 + rounding));
-    // Elastic bodies keep it, those on joints but for the share above, in a few clusters more: in crowds, what follows
-    // contacts is moved onto the joints again, and loses the square of what that turns.
+    CHECK_BETWEEN(kinetic(world), 0, energy * (1 + energy_rounding));
     if (elastic && !jointed) CHECK_NEAR(kinetic(world), energy, energy * energy_rounding);
-    if (elastic && kinetic(world) < energy * (1 - rounding)) ++watched.losses;
-    if (elastic) CHECK_BETWEEN(kinetic(world), energy * (1 - 1e-6), HUGE_VAL);
+    // Joints on long arms magnify rounding.
+    if (elastic && kinetic(world) < energy * (1 - energy_rounding)) ++watched.losses;
+    if (elastic) CHECK_BETWEEN(kinetic(world), energy * (1 - 1e-11), HUGE_VAL);
     CHECK_NEAR((world.momentum() - momentum).norm(), 0, 1e-11 * (1 + energy));
   }
   if (failures > failures_before) std::printf("cluster %u: %d checks failed\n", seed, failures - failures_before);
@@ -373,7 +364,9 @@ int main(int argc, char** argv) {
   check_newton();
   check_cluster(10476);  // locked in between joints: once ended in an overlap that could not be pushed out
   // Elastic ones that lost energy once, where they rest or crowd.
-  for (const unsigned seed : {4563U, 9723U, 13975U}) check_cluster(seed);
+  for (const unsigned seed : {4563U, 5106U, 6352U, 9723U, 10233U, 13975U}) check_cluster(seed);
+  for (const unsigned seed : {2470U, 2721U}) check_cluster(seed);  // speeds that joints hold were left over once
+  check_cluster(5077);  // joints and footholds that nearly said the same once pulled each other apart
   check_cluster(2781);  // impulses that cancel each other once grew from step to step, and energy by their rounding
   check_cluster(5593);  // energy once rose where it stood
   check_clusters(clusters, first);

@@ -156,61 +156,26 @@ bool Flight::missed_on_way(const State& free, const State& end, std::vector<doub
   return missed;
 }
 
-/// Bodies that hang together by what touches and by joints pay by their motion for what more energy they have than
-/// before; what moves of itself works, and pays nothing. `work`: of motors. Returns those that have not so much.
-std::vector<char> Flight::pay(const State& free, double work, State& state) const {
-  const auto& bodies = motion_.mechanism().bodies;
-  const State still = [&] {
-    State standing = state;
-    for (BodyNow& body : standing) body.twist = {Vector3d::Zero(), Vector3d::Zero()};
-    return standing;
-  }();
-  const auto works = [&](std::size_t body) {
-    const auto stands = [](const Twist& twist) { return twist.linear.isZero(0) && twist.angular.isZero(0); };
-    return body != world_body && bodies[body].inverse_mass <= 0 && !stands(state[body].twist);
-  };
-  std::vector<char> met(state.size(), 0), poor(state.size(), 0);
-  for (std::size_t first = 0; first < state.size(); ++first) {
-    if (met[first] != 0 || bodies[first].inverse_mass <= 0) continue;
-    std::vector<char> group(state.size(), 0);
-    group[first] = 1;
-    group = reached(std::move(group));
-    State moved = free, standing = state;
-    for (std::size_t i = 0; i < state.size(); ++i) {
-      if (group[i] == 0) continue;
-      met[i] = 1;
-      moved[i] = state[i];
-      standing[i] = still[i];
-    }
-    const double gain = gained(free, moved) - work;
-    if (gain <= rounding_of_energy(free)) continue;
-    const auto is_in = [&](std::size_t body) { return body != world_body && group[body] != 0; };
-    if (std::ranges::any_of(contacts_, [&](const Contact& contact) {
-          return (is_in(contact.a) && works(contact.b)) || (is_in(contact.b) && works(contact.a));
-        })) {
-      continue;
-    }
-    const double kinetic = gained(standing, state);
-    const double share = kinetic > gain ? std::sqrt(1 - gain / kinetic) : 1;
-    for (std::size_t i = 0; i < state.size(); ++i) {
-      if (group[i] == 0) continue;
-      poor[i] = kinetic > gain ? 0 : 1;
-      state[i].twist.linear *= share;
-      state[i].twist.angular *= share;
-    }
-  }
-  return poor;
-}
-
-/// Where nothing can pay for that, poses follow half of all the change of velocity, which costs next to nothing, and
-/// leave half of what overlaps besides to the next step: all of it at once would push a heap apart. What that costs,
-/// the bounce pays, then what was taken before. Returns the work of motors.
+/// Where bodies are too `poor` to pay for that, their poses follow half of all the change of velocity, which costs next
+/// to nothing, and leave half of what overlaps besides to the next step: all of it at once would push a heap apart.
+/// What that costs, the bounce pays, then what was taken before. The others are as they were. Returns the work of
+/// motors.
 double Flight::follow_crowd(const Impact& impact, const Eigen::VectorXd& impulses, std::vector<Contact>& contacts,
-                            const State& free, const State& struck, double h, double work, State& state) {
+                            const std::vector<char>& poor, const State& free, State struck, double h, double work,
+                            State& state) {
+  const auto others_stay = [&](State& of) {
+    for (std::size_t i = 0; i < of.size(); ++i) {
+      if (poor[i] == 0) of[i] = free[i];
+    }
+  };
   contacts = contacts_;
   const std::vector<Twist> by = impact.evenly(impulses, h, contacts, true);
   for (Contact& contact : contacts) contact.depth = (contact.depth - rest_depth) / 2;
-  const std::vector<Twist> way = impact.way_out(0, by, {}, impulses);
+  std::vector<Twist> way = impact.way_out(0, by, {}, impulses);
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    if (poor[i] == 0) way[i] = {Vector3d::Zero(), Vector3d::Zero()};
+  }
+  others_stay(struck);
   state = struck;
   move_out(motion_, free, way, HUGE_VAL, state);
   const double gain = gained(free, state) - work;
@@ -218,6 +183,7 @@ double Flight::follow_crowd(const Impact& impact, const Eigen::VectorXd& impulse
   state = free;
   motion_.project(state);
   work = std::min(work, impact.work(impact.stop(state), here_, free, state));
+  others_stay(state);
   state = slowed(state, struck, gain);
   move_out(motion_, free, way, taken_ + work, state);
   return work;
@@ -263,15 +229,16 @@ void Flight::settle_crowd(State& state, double h) {
     impact.answer(impulses);
     tell_joints(impact, impulses, there, h);
     resting_ = contacts_;
-    const std::vector<char> poor = pay(free, work, state);
+    const State& before = conservative() ? here_ : free;
+    const std::vector<char> poor = pay(before, work, state);
     if (std::ranges::find(poor, 1) != poor.end()) {
       State other;
-      work = follow_crowd(impact, impulses, contacts, free, struck, h, work, other);
+      work = follow_crowd(impact, impulses, contacts, poor, free, struck, h, work, other);
       for (std::size_t i = 0; i < poor.size(); ++i) {
         if (poor[i] != 0) state[i] = other[i];
       }
     }
-    taken_ -= gained(free, state) - work;
+    taken_ -= gained(before, state) - work;
     break;
   }
   if (bounced || deep) crowd_on();

@@ -8,12 +8,14 @@ namespace odeval::engine_rk4 {
 namespace {
 
 constexpr double energy_rounding = 1e-14;  // of kinetic energy
+constexpr double place_rounding = 1e-15;   // of a position: of what forces do along a way
 constexpr int most_shortenings = 5;        // of a way out, which costs nearly as much as it is long
+
+Eigen::Quaterniond turn_of(const Pose& pose) { return {pose.turn[0], pose.turn[1], pose.turn[2], pose.turn[3]}; }
 
 double kinetic_energy(const Body& body, const BodyNow& now) {
   if (body.inverse_mass == 0) return 0;
-  const Eigen::Quaterniond turn(now.pose.turn[0], now.pose.turn[1], now.pose.turn[2], now.pose.turn[3]);
-  const Vector3d spin = turn.conjugate() * now.twist.angular;
+  const Vector3d spin = turn_of(now.pose).conjugate() * now.twist.angular;
   return now.twist.linear.squaredNorm() / (2 * body.inverse_mass) + spin.dot(body.inertia * spin) / 2;
 }
 
@@ -36,7 +38,138 @@ State mixed(const State& one, State other, double share_of_other) {
 }  // namespace
 
 double Flight::rounding_of_energy(const State& state) const {
-  return energy_rounding * kinetic_energy(motion_.mechanism(), state);
+  double sum = energy_rounding * kinetic_energy(motion_.mechanism(), state);
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    sum += place_rounding * forces_->now[i].force.norm() * state[i].pose.position.norm();
+  }
+  return sum;
+}
+
+/// Do only forces work that are the same all the while?
+bool Flight::conservative() const {
+  if (forces_->renew || motion_.has_motors()) return false;
+  const Mechanism& mechanism = motion_.mechanism();
+  if (std::ranges::any_of(mechanism.joints, [](const Joint& joint) { return !joint.springs.empty(); })) return false;
+  for (std::size_t i = 0; i < here_.size(); ++i) {
+    const Twist& twist = here_[i].twist;
+    if (!forces_->now[i].torque.isZero(0)) return false;
+    if (mechanism.bodies[i].inverse_mass <= 0 && !(twist.linear.isZero(0) && twist.angular.isZero(0))) return false;
+    if (mechanism.bodies[i].damped()) return false;
+  }
+  return true;
+}
+
+/// Bodies that hang together by what touches and by joints.
+struct Flight::Group {
+  std::vector<char> bodies;
+  bool touches = false;
+  bool held = false;    // by something that they do not move
+  bool driven = false;  // by something that moves of itself
+  bool elastic = true;  // all contacts, and none rubs
+};
+
+Flight::Group Flight::group_of(std::size_t first, const State& state) const {
+  const Mechanism& mechanism = motion_.mechanism();
+  Group group{std::vector<char>(state.size(), 0)};
+  group.bodies[first] = 1;
+  group.bodies = reached(std::move(group.bodies));
+  const auto is_in = [&](std::size_t body) { return body != world_body && group.bodies[body] != 0; };
+  const auto look = [&](std::size_t body) {
+    if (is_in(body)) return;
+    group.held = true;
+    if (body == world_body) return;
+    const Twist& twist = state[body].twist;
+    group.driven = group.driven || !(twist.linear.isZero(0) && twist.angular.isZero(0));
+  };
+  for (const Joint& joint : mechanism.joints) {
+    if (is_in(joint.a) || is_in(joint.b)) look(joint.a), look(joint.b);
+  }
+  for (const Contact& contact : resting_) {
+    if (!is_in(contact.a) && !is_in(contact.b)) continue;
+    look(contact.a), look(contact.b);
+    group.touches = true;
+    group.elastic = group.elastic && contact.restitution == 1 && contact.friction + contact.rho + contact.rhoN == 0;
+  }
+  return group;
+}
+
+/// Bodies that nothing holds move on as one, with the momenta that they have; others stand.
+void Flight::move_rigidly(const Group& group, State& state) const {
+  double mass = 0;
+  Vector3d centre = Vector3d::Zero(), momentum = centre, angular = centre;
+  Matrix3d inertia = Matrix3d::Zero();
+  const auto each = [&](const auto& add) {
+    for (std::size_t i = 0; i < state.size(); ++i) {
+      if (group.bodies[i] != 0) add(motion_.mechanism().bodies[i], state[i]);
+    }
+  };
+  if (!group.held) {
+    each([&](const Body& body, const BodyNow& now) {
+      mass += 1 / body.inverse_mass;
+      centre += now.pose.position / body.inverse_mass;
+      momentum += now.twist.linear / body.inverse_mass;
+    });
+    centre /= mass;
+    each([&](const Body& body, const BodyNow& now) {
+      const Vector3d arm = now.pose.position - centre;
+      const Matrix3d turn = turn_of(now.pose).toRotationMatrix();
+      const Matrix3d own = turn * body.inertia * turn.transpose();
+      inertia += own + (arm.squaredNorm() * Matrix3d::Identity() - arm * arm.transpose()) / body.inverse_mass;
+      angular += own * now.twist.angular + arm.cross(now.twist.linear) / body.inverse_mass;
+    });
+  }
+  const Vector3d spin = group.held ? Vector3d(Vector3d::Zero()) : Vector3d(inertia.ldlt().solve(angular));
+  each([&](const Body&, BodyNow& now) {
+    now.twist = {Vector3d::Zero(), spin};
+    if (!group.held) now.twist.linear = momentum / mass + spin.cross(now.pose.position - centre);
+  });
+}
+
+/// Groups that touch something pay by their motion for what more energy they have than before, and get back what they
+/// have less where all is elastic; their momenta stay where nothing holds them. What moves of itself works, and pays
+/// nothing. `work`: of motors. Returns the bodies of those that have not so much.
+std::vector<char> Flight::pay(const State& before, double work, State& state) const {
+  std::vector<char> met(state.size(), 0), poor(state.size(), 0);
+  for (std::size_t first = 0; first < state.size(); ++first) {
+    if (met[first] != 0 || motion_.mechanism().bodies[first].inverse_mass <= 0) continue;
+    const Group group = group_of(first, state);
+    State moved = before, slow = state;
+    for (std::size_t i = 0; i < state.size(); ++i) {
+      if (group.bodies[i] == 0) continue;
+      met[i] = 1;
+      moved[i] = state[i];
+    }
+    if (!group.touches || group.driven) continue;
+    const double gain = gained(before, moved) - work;
+    const bool gives_back = group.elastic && conservative() && gain < 0;
+    if (gain <= rounding_of_energy(before) && !gives_back) continue;
+    move_rigidly(group, slow);
+    const double kinetic = gained(slow, state);
+    const bool can = kinetic > std::fabs(gain);
+    const double share = can ? std::sqrt(1 - gain / kinetic) : 1;
+    for (std::size_t i = 0; i < state.size(); ++i) {
+      if (group.bodies[i] == 0) continue;
+      poor[i] = can || gain < 0 ? 0 : 1;
+      Twist& twist = state[i].twist;
+      twist.linear = slow[i].twist.linear + share * (twist.linear - slow[i].twist.linear);
+      twist.angular = slow[i].twist.angular + share * (twist.angular - slow[i].twist.angular);
+    }
+  }
+  return poor;
+}
+
+/// At the end of a step: what rests on each other, or `rested` when it began, has no more energy than then, but for
+/// what lifts bodies out of the overlaps that they started with. Errors of the order of the step are paid by the
+/// motion.
+void Flight::keep_energy(const State& start, const std::vector<Contact>& rested, double lift) {
+  const bool rests = !resting_.empty() || !rested.empty();
+  if (rests && gained(start, there_) > lift + rounding_of_energy(there_)) {
+    const std::vector<Contact> rest = resting_;
+    resting_.insert(resting_.end(), rested.begin(), rested.end());
+    pay(start, 0, there_);
+    resting_ = rest;
+  }
+  taken_ = std::clamp(taken_, 0.0, lift);
 }
 
 /// Energy that comes from nowhere from one state to another, J: of motion, less the work of forces.

@@ -53,7 +53,9 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
   here_ = state;
   try {
     if (fresh) begin();
+    const double lift = taken_;
     fly(h);
+    if (collider_.works(motion_.mechanism()) && conservative()) keep_energy(state, before.resting, lift);
     if (collider_.works(motion_.mechanism()) && !finite(there_))
       refuse("the motion left the finite numbers; take a smaller step");
   } catch (...) {
@@ -102,7 +104,7 @@ void Flight::fly(double h) {
       if (slips(t, passed)) {
         remember(there_, passed);
         t += passed;
-        std::swap(here_, there_);
+        go_on();
         continue;
       }
       const Memory before = memory();
@@ -146,7 +148,7 @@ void Flight::fly(double h) {
     remember(there_, passed);
     t += passed;
     if (slipped) {
-      std::swap(here_, there_);
+      go_on();
       continue;
     }
     impact(t, passed <= 0, impacts >= options_.most_impacts);
@@ -156,6 +158,12 @@ void Flight::fly(double h) {
     hold(there_, 0);
     break;
   }
+}
+
+/// From `there_`.
+void Flight::go_on() {
+  if (conservative()) taken_ -= gained(here_, there_);
+  std::swap(here_, there_);
 }
 
 /// Holds what rests at `here_` and can stick there.
@@ -176,11 +184,13 @@ void Flight::find_footholds(double after, bool struck) {
   }
   State held = here_;
   if (found) mover().project(held);  // what leaves slowly rests from now on, not by and by
+  // Joints that nearly say what these do stay open by what that asks of both.
+  const bool closed = !found || mover().project(held).before.size <= mendable;
   // What closes their gaps is paid for as ways out are.
   const double gain = found ? gained(here_, held) : 0;
   const bool paid = gain <= std::max(0.0, taken_) + rounding_of_energy(here_);
   if (mover().has_motors()) drive(held, after);
-  if (!paid || !footholds_->bear(held, *forces_, after, contacts_)) {
+  if (!closed || !paid || !footholds_->bear(held, *forces_, after, contacts_)) {
     footholds_.reset();
   } else if (found) {
     const auto leaves = [&](const Contact& contact) { return normal_speed(contact, here_) > options_.rest_speed; };
@@ -473,7 +483,7 @@ void Flight::impact(double t, bool at_once, bool last) {
   const std::size_t touch = touches_.size();
   touches_.push_back({t, -speed(fastest), 0, striking.size()});
   tell(options_.before_impact, touches_[touch]);
-  taken_ -= gained(here_, struck);
+  taken_ -= gained(conservative() ? there_ : here_, struck);
   here_ = std::move(struck);
   touches_[touch].departure = speed(fastest);
   tell(options_.after_impact, touches_[touch]);
@@ -592,7 +602,7 @@ bool Flight::hold(State& state, double h) {
     if (first) tell_joints(impact, impulses, state, h);
     impact.spend(impulses, motors);  // what is found on the way out is borne by what they can give yet
     std::vector<Twist> by;
-    const double done = first ? work_of_pushes(free, h) : 0;
+    const double done = !first ? 0 : conservative() ? gained(here_, free) : work_of_pushes(free, h);
     if (first) {
       note(impact, impulses, h);
       rest = contacts_;

@@ -64,6 +64,7 @@ class Flight {
 
   void begin();
   void fly(double h);
+  void go_on();
   void find_footholds(double after, bool struck);
   bool slips(double after, double& passed);
   bool held_fast(const Contact& contact) const { return footholds_ && footholds_->have(contact); }
@@ -117,10 +118,16 @@ class Flight {
   bool judge_bounces(const State& state, const State& bare, std::vector<Contact>& contacts) const;
   void add_still(const State& free);
   bool missed_on_way(const State& free, const State& end, std::vector<double>& depths);
-  std::vector<char> pay(const State& free, double work, State& state) const;
+  struct Group;
+  Group group_of(std::size_t first, const State& state) const;
+  void move_rigidly(const Group& group, State& state) const;
+  std::vector<char> pay(const State& before, double work, State& state) const;
   double follow_crowd(const Impact& impact, const Eigen::VectorXd& impulses, std::vector<Contact>& contacts,
-                      const State& free, const State& struck, double h, double work, State& state);
+                      const std::vector<char>& poor, const State& free, State struck, double h, double work,
+                      State& state);
   State unforced(Motion& motion, const State& state, double h);
+  bool conservative() const;
+  void keep_energy(const State& start, const std::vector<Contact>& rested, double lift);
   double rounding_of_energy(const State& state) const;
   double gained(const State& from, const State& to) const;
   double gained(const State& from, const State& to, std::span<const Twist> by) const;
@@ -150,9 +157,10 @@ class Flight {
   double work_ = 0;                     // that friction may take yet in this step
   bool renewed_ = false;                // the crowd, in this step
   int crowded_ = 0;                     // steps that are left to the crowd's scheme if nothing bounces
-  double taken_ = 0;                    // J, by contacts so far, less what ways out of overlaps gave
-  int quiet_ = calm_steps;              // steps since the last impact, or that many
-  bool first_ = true;                   // step since the mechanism was read
+  // J, by contacts in this step, and while motors and the like act before it, less what ways out of overlaps gave.
+  double taken_ = 0;
+  int quiet_ = calm_steps;  // steps since the last impact, or that many
+  bool first_ = true;       // step since the mechanism was read
   std::size_t crowded_steps_ = 0;
   std::vector<Touch> touches_;
 };

@@ -13,6 +13,7 @@ constexpr double redundant_pivot = 1e-12;
 // m, rad. A correction of this size leaves its square, which is rounding; what a step of ordinary size needs is
 // smaller.
 constexpr double small_correction = 1e-7;
+constexpr double opened = 1e-11;  // m, rad: by more, speeds along joints that close are no rounding
 constexpr double closed = 1e-13;  // m, rad: a hundred roundings of a body's size
 
 std::vector<Eigen::Index> rows_of(const std::vector<Joint>& joints) {
@@ -325,7 +326,9 @@ JointError Motion::displace(const std::vector<Twist>& by, State& state) {
     state[i].pose.position += by[i].linear;
     turn_by(by[i].angular, state[i].pose.turn);
   }
-  return project(state).after;
+  const JointErrors errors = project(state);
+  // Velocities were taken to the joints before they closed.
+  return errors.before.size > opened ? project(state).after : errors.after;
 }
 
 void Motion::stand(const State& state) {
