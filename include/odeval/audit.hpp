@@ -22,6 +22,8 @@ struct Estimate {
   double value = 0;        // >= 0, the distance from the limit
   double uncertainty = 0;  // >= 0, half the width of the interval that holds the value
   Convergence convergence = Convergence::none;
+
+  static constexpr double nothing = 1e-9;  // m or rad: nobody's concern, and near rounding
 };
 
 /// The largest until a time, over bodies and over all steps of the program.
@@ -74,10 +76,11 @@ struct ProgramRun {
 struct Tried {
   std::string set;  // "erp=0.8"
   std::vector<Estimate>
-      distance_m{};    // from the limit, at the times of Answer::error_at until tried_at; no number: ended by then
-  double cpu = 0;      // time of a step within ODE, over that of the unchanged run: as it was measured
-  double work = 0;     // of the solver over that of the unchanged run, as it was counted; NaN: not known
-  bool asked = false;  // for by the user
+      distance_m{};     // from the limit, at the times of Answer::error_at until tried_at; no number: ended by then
+  double cpu = 0;       // time of a step within ODE, over that of the unchanged run: as it was measured
+  double work = 0;      // of the solver over that of the unchanged run, as it was counted; NaN: not known
+  bool is_own = false;  // the run is the unchanged one to the bit
+  bool asked = false;   // for by the user
 };
 
 /// What the solvers have to do in the unchanged run: rows of joints and contacts, weighted by what they were measured
@@ -100,13 +103,14 @@ struct Energy {
 /// What the energy has changed by besides is the step's own doing.
 struct Work {
   double added = 0;     // by forces and torques that the program added
-  double motors = 0;    // and stops, along the axes of joints
+  double motors = 0;    // along the axes of joints
+  double stops = 0;     // likewise
   double joints = 0;    // by what holds their bodies together
   double contacts = 0;  // friction and all
   double damping = 0;   // of dWorldSetLinearDamping and the like
   double program = 0;   // what the energy changes by between steps: bodies that it makes, removes, moves, speeds up
 
-  double sum() const { return added + motors + joints + contacts + damping + program; }
+  double sum() const { return added + motors + stops + joints + contacts + damping + program; }
 };
 
 /// How far the halves of a joint were apart at most.
@@ -140,7 +144,8 @@ struct JointSummary {
   double force_N = 0;                       // the largest on a body, of a contact the normal one
   double torque_Nm = 0;                     // likewise, about the body's centre
   double work_J = 0;                        // of all of it on both bodies
-  double motor_work_J = 0;                  // of its motors and stops alone; NaN: not followed
+  double motor_work_J = 0;                  // of its motors alone; NaN: not followed
+  double stop_work_J = 0;                   // of its stops, likewise
   std::optional<std::uint64_t> at_limit{};  // steps in which a motor's force was what it may be at most; none: likewise
   std::optional<std::uint64_t> at_stop{};   // steps that began at a stop or beyond; none: likewise
   double friction_share = 0;  // the largest of what friction may be, of all contacts between the two in a step
@@ -194,6 +199,8 @@ struct Answer {
   std::uint32_t bodies = 0;  // the most at a time of each world, of all together, as the two after them
   std::uint32_t joints = 0;
   std::uint32_t contacts = 0;
+  std::uint32_t bodies_made = 0;                    // in all
+  bool adds_forces = false;                         // the program, to bodies that move
   double depth_m = 0;                               // the largest
   double contact_s = 0;                             // the shortest in which a contact stops what it holds
   std::uint64_t messages = 0;                       // of ODE, in the unchanged run
@@ -212,10 +219,14 @@ struct Answer {
   double until_s = 0;                    // up to which all runs go
   std::vector<ErrorUntil> error_at;      // at 1, 2, 5, 10, … s and at the end
   std::vector<BodyError> error_of_body;  // at the same times, by time and body
-  double motion_m = 0;                   // how far a body went from its start
-  std::optional<double> lost_at_s;       // where the error is more than a tenth of the largest way, or turn, of a body
+  std::optional<double> lost_at_s;       // where a body is off by more than a tenth of how far it has gone until then
+  std::uint32_t lost_body = 0;           // that one, from 1
+  bool lost_turned = false;              // it is its turn, and how far it has turned
   std::optional<double> growth;          // of a distance of starts, the most
-  double worst_t_s = 0;                  // when the error grew last until the time of steps_for
+  std::optional<double> chaos_from_s;    // where starts that were moved are apart by as much as the error
+  bool flies_apart = false;              // starts that were moved, far beyond where a finer step takes them
+  std::uint32_t worst_body = 0;          // that is farthest off until the time of steps_for
+  double worst_t_s = 0;                  // when it was
   std::size_t limit_degree = 0;          // of the polynomial in the step that the limit is from, until then
   std::size_t told_at = 0;               // of error_at, the last time before the motion is lost that has a limit
   double steps_for_t_s = 0;              // that time, which the steps keep the error until

@@ -15,7 +15,7 @@ namespace odeval::audit {
 namespace {
 
 Work work_of(const Account& account) {
-  return {account.work_added,    account.work_motors,  account.work_joints,
+  return {account.work_added,    account.work_motors,  account.work_stops,  account.work_joints,
           account.work_contacts, account.work_damping, account.work_program};
 }
 
@@ -65,6 +65,7 @@ JointSummary summary_of(const PartSample& part) {
           .torque_Nm = part.torque,
           .work_J = part.work,
           .motor_work_J = kind.motor_work ? part.motor_work : NAN,
+          .stop_work_J = kind.motor_work && kind.limits ? part.stop_work : NAN,
           .at_limit = steps(part.steps_at_limit),
           .at_stop = steps(part.steps_at_stop),
           .friction_share = part.friction_share,
@@ -111,6 +112,7 @@ EnergyPoint sum_of(const std::map<std::uint32_t, EnergyPoint>& worlds, const Rec
     sum.potential_J += world.potential_J;
     sum.work.added += world.work.added;
     sum.work.motors += world.work.motors;
+    sum.work.stops += world.work.stops;
     sum.work.joints += world.work.joints;
     sum.work.contacts += world.work.contacts;
     sum.work.damping += world.work.damping;
@@ -172,6 +174,7 @@ void describe(const std::filesystem::path& unchanged, Answer& answer) {
   bool quick = false;
   bool plain = false;
   Counts counts;
+  std::vector<bool> seen;                       // bodies
   std::map<std::uint32_t, EnergyPoint> worlds;  // as they were last
   Thinned<EnergyPoint> curve;
   for (auto moment = run.next(); moment; moment = run.next()) {
@@ -194,6 +197,12 @@ void describe(const std::filesystem::path& unchanged, Answer& answer) {
     answer.h_varies = answer.h_varies || frame.h != answer.h_s;
     (account.quick != 0 ? quick : plain) = true;
     counts.add(*moment, answer);
+    for (const BodySample& body : moment->bodies) {
+      if (body.body >= seen.size()) seen.resize(body.body + 1);
+      if (!seen[body.body]) ++answer.bodies_made;
+      seen[body.body] = true;
+    }
+    answer.adds_forces = answer.adds_forces || account.work_added != 0;
     answer.depth_m = std::max(answer.depth_m, account.depth);
     if (account.gap > answer.gap.largest_m) answer.gap = {account.gap, frame.t, account.gap_joint};
   }

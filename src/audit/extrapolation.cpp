@@ -144,8 +144,7 @@ std::optional<double> Spread::order() const { return order_of(runs() - 2, runs()
 Convergence Spread::convergence(const Estimate& error, double unseen) const {
   if (!std::isfinite(error.value + error.uncertainty)) return Convergence::none;
   if (error.uncertainty <= 0.1 * error.value) return Convergence::settled;
-  constexpr double nothing = 1e-9;  // m or rad: nobody's concern, and near rounding
-  if (error.value + error.uncertainty <= nothing) return Convergence::settled;
+  if (error.value + error.uncertainty <= Estimate::nothing) return Convergence::settled;
   constexpr double least_order = 0.3;  // 2 to the power of it is 1.2: halving the step takes away a fifth
   const std::size_t last = runs() - 1;
   const std::optional<double> falls = order_of(1, last);

@@ -4,11 +4,14 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
+#include <tuple>
 #include <unordered_map>
+#include <utility>
 
 #include "audit/extrapolation.hpp"
+#include "audit/loss.hpp"
 #include "audit/recording.hpp"
+#include "audit/report.hpp"
 #include "audit/thinned.hpp"
 #include "audit/unseen.hpp"
 
@@ -40,6 +43,12 @@ struct Errors {
   Spread turn;
 };
 
+// What hardly moves is not lost by moving otherwise: less than a millimetre and half a degree are never a loss.
+constexpr double least_lost_m = 1e-3;
+constexpr double least_lost_rad = 1e-2;
+// One that is farther off may be so by any number of turns.
+constexpr double most_kept_rad = 2;
+
 /// Where a body is, or how it is turned, and what no run sees of it.
 struct Part {
   Spread spread;
@@ -51,33 +60,19 @@ struct Followed {
   BodySample start;
   Part place;
   Part attitude;
+  double way_m = 0;                // from there, the farthest
   std::array<double, 3> turned{};  // rad, the sum of its turns, which goes on where an attitude comes back
-  double most_turned = 0;          // rad, of that
-  BodyError before{};              // at the last time of the report
+  double most_turned = 0;          // rad, of that, or from its first attitude
+  double grown_m = 0;              // its error, when that last grew by a hundredth
+  double grown_t_s = 0;            // then
+  Loss of_place{least_lost_m, HUGE_VAL};
+  Loss of_attitude{least_lost_rad, most_kept_rad};
+  BodyError before{};  // at the last time of the report
 };
-
-/// What no estimate says after the motion is lost: that the runs, and that with starts moved, went elsewhere.
-struct Apart {
-  double place_m = 0;
-  double attitude_rad = 0;
-};
-
-void widen(Estimate& error, double apart) {
-  error.uncertainty += apart;
-  error.convergence = std::max(error.convergence, Convergence::rough);
-}
-
-/// An error until a time is no less than until one before.
-void raise(Estimate& error, const Estimate& before) {
-  if (before.convergence == Convergence::none || !(before.value > error.value)) return;
-  error.value = before.value;
-  error.uncertainty = std::max(error.uncertainty, before.uncertainty);
-}
 
 class Judge {
  public:
-  Judge(const Records& records, Answer& answer)
-      : records_(records), answer_(answer), all_(fresh()), turns_(records.refinements) {
+  Judge(const Records& records, Answer& answer) : records_(records), answer_(answer), all_(fresh()) {
     for (const auto& file : records.refined) runs_.emplace_back(file);
     if (records.moved) moved_.emplace(*records.moved);
     chaos_.moved_by_m = records.moved_by_m;
@@ -91,11 +86,14 @@ class Judge {
       report_before(moments_.front().frame.t);
       take();
     }
-    if (answer_.error_at.empty() || answer_.error_at.back().t_s < answer_.until_s * (1 - 1e-6)) {
+    if (report_.rows().empty() || report_.rows().back().error.t_s < answer_.until_s * (1 - 1e-6)) {
       report(answer_.until_s);
+      report_.end_once();
     }
     sum_up();
-    return limits_;
+    std::vector<LimitOf> limits;
+    for (const ReportRow& row : report_.rows()) limits.push_back(row.limit);
+    return limits;
   }
 
  private:
@@ -129,17 +127,10 @@ class Judge {
     chaos_.steps = own.frame.step * static_cast<std::uint64_t>(records_.refinements.back());
     answer_.until_s = std::max(answer_.until_s, own.frame.t);
     const Spread::Limit place = all_.distance.limit();
-    const Spread::Limit attitude = turns_.limit();
-    const double rounding = chaos_.rounding_m();
-    ErrorPoint point{own.frame.t, {}, place.uncertainty + unseen_m_ + rounding};
+    ErrorPoint point{own.frame.t, {}, place.uncertainty + unseen_m_ + chaos_.rounding_m()};
     for (std::size_t run = 0; run < runs_.size(); ++run) point.distance_m.push_back(all_.distance.off(run, place));
-    const double error = larger_of(point.distance_m.front(), point.uncertainty_m);
-    double turned = larger_of(turns_.off(0, attitude), attitude.uncertainty + unseen_rad_ + rounding);
-    if (turned_away_) turned = HUGE_VAL;
+    find_chaos(own.frame.t, larger_of(point.distance_m.front(), place.uncertainty));
     curve_.add(std::move(point));
-    if (path_.empty() || error > 1.01 * path_.back().distance || turned > 1.01 * path_.back().turn) {
-      path_.push_back({own.frame.t, error, turned});
-    }
   }
 
   void take_body(std::size_t i) {
@@ -167,28 +158,27 @@ class Judge {
     its.attitude.spread.add(values_.data(), 4, 2);  // a small turn is twice the distance of quaternions
     all_.distance.add(its.place.spread);
     all_.turn.add(its.attitude.spread);
-    follow_turn(its, own, motion);
-    answer_.motion_m = std::max(answer_.motion_m, away(own.position, its.start.position));
+    its.way_m = std::max(its.way_m, away(own.position, its.start.position));
+    for (std::size_t k = 0; k < 3; ++k) its.turned[k] += h * motion.spin[k];
+    its.most_turned = std::max({its.most_turned, turn(own.quaternion, its.start.quaternion),
+                                std::hypot(its.turned[0], its.turned[1], its.turned[2])});
     if (own.kinematic == 0) {
       its.place.bends.add(motion.velocity, h);
       its.attitude.bends.add(motion.spin, h);
     }
-    unseen_m_ = std::max(unseen_m_, its.place.bends.unseen(records_.refinements.back()));
-    if (its.most_turned <= std::numbers::pi)
-      unseen_rad_ = std::max(unseen_rad_, its.attitude.bends.unseen(records_.refinements.back()));
+    unseen_m_ = std::max(unseen_m_, unseen(its.place));
     for (const double x : own.position) chaos_.extent_m = std::max(chaos_.extent_m, std::fabs(x));
+    finest_way_m_ = std::max(finest_way_m_, away(moments_.back().bodies[i].position, its.start.position));
+    follow_error(its, moments_.front().frame.t);
   }
 
-  /// One that turns by more than half a turn is held against that, up to where an attitude says nothing any more.
-  void follow_turn(Followed& its, const BodySample& own, const MotionSample& motion) {
-    const double h = moments_.front().frame.h;
-    for (std::size_t k = 0; k < 3; ++k) its.turned[k] += h * motion.spin[k];
-    most_turned_ = std::max(most_turned_, turn(own.quaternion, its.start.quaternion));
-    its.most_turned = std::max(its.most_turned, std::hypot(its.turned[0], its.turned[1], its.turned[2]));
-    if (its.most_turned <= std::numbers::pi) return turns_.add(its.attitude.spread);
-    constexpr double any_turn = 2;  // rad: one that is farther off may be so by any number of turns
-    if (turned_away_) return;
-    turned_away_ = larger_of(estimate(its.attitude)) > std::min(lost_part * its.most_turned, any_turn);
+  void follow_error(Followed& its, double t) {
+    its.of_place.add(t, size_of(its.place), its.way_m);
+    its.of_attitude.add(t, size_of(its.attitude), its.most_turned);
+    const double error = its.place.spread.off(0, its.place.spread.limit());
+    if (its.grown_m > 0 ? error <= 1.01 * its.grown_m : error == 0) return;
+    its.grown_m = error;
+    its.grown_t_s = t;
   }
 
   void take_moved(const Moment& own) {
@@ -200,6 +190,18 @@ class Judge {
     }
   }
 
+  /// Where starts that differ by next to nothing are apart by as much as the steps make, and stay so, any step leads
+  /// elsewhere. Both are the most so far, and are held against each other by their sizes. What flies apart much farther
+  /// than the finest run goes at all is no chaos, but a step that is too long.
+  void find_chaos(double t, double error) {
+    if (!moved_) return;
+    constexpr double grows = 1e3;
+    answer_.flies_apart = chaos_.apart_m > 10 * std::max(finest_way_m_, least_lost_m);
+    std::optional<double>& from = answer_.chaos_from_s;
+    if (answer_.flies_apart || chaos_.apart_m < error / 10) from.reset();
+    if (!from && !answer_.flies_apart && chaos_.growth() >= grows && chaos_.apart_m >= error / 4) from = t;
+  }
+
   /// A time of the report has passed when the first step after it comes, whether or not one ended on it.
   void report_before(double t) {
     for (double at = report_time(next_report_); at < t * (1 - rounding_of_time); at = report_time(++next_report_)) {
@@ -207,12 +209,11 @@ class Judge {
     }
   }
 
-  /// What is not a number is as large as can be.
-  static double larger_of(double value, double uncertainty) {
-    if (std::isnan(value) || std::isnan(uncertainty)) return std::numeric_limits<double>::infinity();
-    return std::max(value, uncertainty);
+  /// Of an error of the program's own run, or of what it may be.
+  double size_of(const Part& part) const {
+    const Spread::Limit limit = part.spread.limit();
+    return larger_of(part.spread.off(0, limit), limit.uncertainty + unseen(part) + chaos_.rounding_m());
   }
-  static double larger_of(const Estimate& error) { return larger_of(error.value, error.uncertainty); }
 
   static double most_of(const Estimate& error) {
     const double most = error.value + error.uncertainty;
@@ -224,24 +225,21 @@ class Judge {
   Estimate estimate(const Part& part, std::size_t run = 0) const {
     return part.spread.error(run, unseen(part), chaos_.rounding_m());
   }
-  /// One that half a turn is within says nothing: attitudes are never farther apart.
-  static Estimate as_turn(Estimate error) {
-    if (!(error.uncertainty < std::numbers::pi)) error.convergence = Convergence::none;
-    return error;
-  }
-
-  /// The body that is farthest off, or may be.
+  /// The body that is farthest off, or may be: of those that are so but for rounding, the first made.
   struct Farthest {
     std::uint32_t body = 0;  // from 1
     const Part* part;
-    double size = -1;
+    double grown_t_s = 0;  // when its distance last grew
   };
   Farthest farthest(Part Followed::*part) const {
+    double size = 0;
+    for (const auto& [body, followed] : of_body_) size = std::max(size, larger_of(estimate(followed.*part)));
     Farthest its{.part = &nothing_};
+    constexpr double but_for_rounding = 1 - 1e-6;
     for (const auto& [body, followed] : of_body_) {
-      const double size = larger_of(estimate(followed.*part));
-      if (size < its.size || (size == its.size && body + 1 > its.body)) continue;
-      its = {body + 1, &(followed.*part), size};
+      if (its.body != 0 && body + 1 > its.body) continue;
+      if (larger_of(estimate(followed.*part)) < but_for_rounding * size) continue;
+      its = {body + 1, &(followed.*part), followed.grown_t_s};
     }
     return its;
   }
@@ -271,41 +269,42 @@ class Judge {
 
   void report(double t) {
     reported_until_s_ = answer_.until_s;
-    for (auto& [body, followed] : of_body_) report_body(t, body, followed);
+    const ReportRow* const before = report_.rows().empty() ? nullptr : &report_.rows().back();
     const Farthest placed = farthest(&Followed::place);
     const Farthest turned = farthest(&Followed::attitude);
-    std::vector<Estimate> of_runs;
+    ReportRow row;
     for (std::size_t run = 0; run < runs_.size(); ++run) {
-      of_runs.push_back(largest(placed, &Followed::place, all_.distance, run));
-      if (!distances_.empty()) raise(of_runs.back(), distances_.back()[run]);
+      row.runs_m.push_back(largest(placed, &Followed::place, all_.distance, run));
+      if (before != nullptr) raise(row.runs_m.back(), before->runs_m[run]);
     }
-    ErrorUntil row;
-    row.t_s = t;
-    row.distance_m = of_runs.front();
-    row.turn_rad = as_turn(largest(turned, &Followed::attitude, all_.turn));
-    if (!answer_.error_at.empty()) raise(row.turn_rad, answer_.error_at.back().turn_rad);
+    ErrorUntil& error = row.error;
+    error.t_s = t;
+    error.distance_m = row.runs_m.front();
+    error.turn_rad = as_turn(largest(turned, &Followed::attitude, all_.turn));
+    if (before != nullptr) raise(error.turn_rad, before->error.turn_rad);
     // Where bodies touch, one that has no limit takes its attitude, or its place, with it.
-    if (touched_ && row.convergence() == Convergence::none) {
-      row.distance_m.convergence = row.turn_rad.convergence = Convergence::none;
+    if (touched_ && error.convergence() == Convergence::none) {
+      error.distance_m.convergence = error.turn_rad.convergence = Convergence::none;
     }
     // The turn is what tells only where next to nothing is a distance.
-    const bool rather_turned = row.distance_m.value < ErrorUntil::little * row.turn_rad.value;
-    row.order = (rather_turned ? turned : placed).part->spread.order();
-    row.body = (rather_turned ? turned : placed).body;
-    for (const Estimate& run : of_runs) row.of_runs_m.push_back(run.value);
-    answer_.error_at.push_back(row);
-    apart_.push_back(apart(all_.distance, all_.turn));
-    limits_.push_back({placed.part->spread.best_degree(), row.distance_m.uncertainty, unseen(*placed.part)});
-    distances_.push_back(std::move(of_runs));
+    const bool rather_turned = error.distance_m.value < ErrorUntil::little * error.turn_rad.value;
+    error.order = (rather_turned ? turned : placed).part->spread.order();
+    error.body = (rather_turned ? turned : placed).body;
+    for (const Estimate& run : row.runs_m) error.of_runs_m.push_back(run.value);
+    row.limit = {placed.part->spread.best_degree(), error.distance_m.uncertainty, unseen(*placed.part)};
+    row.apart = apart(all_.distance, all_.turn);
+    row.worst_body = placed.body;
+    row.worst_t_s = placed.grown_t_s;
+    for (auto& [body, followed] : of_body_) row.bodies.push_back(of_body(t, body, followed));
+    report_.add(std::move(row));
   }
 
-  void report_body(double t, std::uint32_t body, Followed& followed) {
+  std::pair<BodyError, Apart> of_body(double t, std::uint32_t body, Followed& followed) const {
     BodyError its{t, body + 1, estimate(followed.place), as_turn(estimate(followed.attitude))};
     raise(its.distance_m, followed.before.distance_m);
     raise(its.turn_rad, followed.before.turn_rad);
     followed.before = its;
-    answer_.error_of_body.push_back(its);
-    apart_of_body_.push_back(apart(followed.place.spread, followed.attitude.spread));
+    return {its, apart(followed.place.spread, followed.attitude.spread)};
   }
 
   Apart apart(const Spread& place, const Spread& attitude) const {
@@ -314,8 +313,11 @@ class Judge {
 
   void sum_up() {
     find_loss();
-    widen_after_loss();
-    leave_out_early_times();
+    report_.sum_up(answer_.lost_at_s);
+    for (const ReportRow& row : report_.rows()) {
+      answer_.error_at.push_back(row.error);
+      for (const auto& [body, apart] : row.bodies) answer_.error_of_body.push_back(body);
+    }
     std::ranges::sort(answer_.error_of_body, [](const BodyError& a, const BodyError& b) {
       return a.t_s != b.t_s ? a.t_s < b.t_s : a.body < b.body;
     });
@@ -335,88 +337,42 @@ class Judge {
     return its;
   }
 
-  /// What hardly moves is not lost by moving otherwise: less than a millimetre and half a degree are never a loss.
+  /// Of the body that is lost first; the first made, where several are.
   void find_loss() {
-    const double distance = std::max(lost_part * answer_.motion_m, 1e-3);
-    const double turned = std::max(lost_part * most_turned_, 1e-2);
-    const auto lost = std::ranges::find_if(
-        path_, [&](const PathPoint& point) { return point.distance > distance || point.turn > turned; });
-    if (lost != path_.end()) answer_.lost_at_s = lost->t;
-  }
-
-  /// Runs of another motion may agree for a while, and are no limit of this one.
-  void widen_after_loss() {
-    if (!answer_.lost_at_s) return;
-    const auto is_after = [this](double t) { return t > *answer_.lost_at_s; };
-    for (std::size_t i = 0; i < answer_.error_at.size(); ++i) {
-      ErrorUntil& row = answer_.error_at[i];
-      if (!is_after(row.t_s)) continue;
-      widen(row.distance_m, apart_[i].place_m);
-      widen(row.turn_rad, apart_[i].attitude_rad);
-      row.turn_rad = as_turn(row.turn_rad);
-      limits_[i].uncertainty_m = row.distance_m.uncertainty;
-      for (Estimate& run : distances_[i]) widen(run, apart_[i].place_m);
-    }
-    for (std::size_t i = 0; i < answer_.error_of_body.size(); ++i) {
-      BodyError& row = answer_.error_of_body[i];
-      if (!is_after(row.t_s)) continue;
-      widen(row.distance_m, apart_of_body_[i].place_m);
-      widen(row.turn_rad, apart_of_body_[i].attitude_rad);
-      row.turn_rad = as_turn(row.turn_rad);
-    }
-  }
-
-  /// Times below 1 s are for what ends before that.
-  void leave_out_early_times() {
-    const double first =
-        std::pow(10.0, std::floor(std::log10(std::min(1.0, answer_.until_s * (1 + rounding_of_time)))));
-    while (answer_.error_at.size() > 1 && answer_.error_at.front().t_s < first * (1 - rounding_of_time)) {
-      answer_.error_at.erase(answer_.error_at.begin());
-      distances_.erase(distances_.begin());
-      limits_.erase(limits_.begin());
-    }
-    std::erase_if(answer_.error_of_body, [&](const BodyError& row) { return row.t_s < answer_.error_at.front().t_s; });
-  }
-
-  /// The last time of the report until `t_s`, or the first, that has a limit and is before the motion is lost.
-  std::size_t last_told(double t_s) const {
-    const auto says_nothing = [&](const ErrorUntil& row) {
-      return row.convergence() == Convergence::none || row.t_s > std::min(t_s, answer_.lost_at_s.value_or(HUGE_VAL));
+    const auto lost = [this](std::uint32_t body, const Loss& its, bool turned) {
+      if (!its.since_s()) return;
+      const auto of = std::tuple(*its.since_s(), body, turned);
+      if (answer_.lost_at_s && std::tuple(*answer_.lost_at_s, answer_.lost_body, answer_.lost_turned) < of) return;
+      std::tie(answer_.lost_at_s, answer_.lost_body, answer_.lost_turned) = of;
     };
-    std::size_t last = answer_.error_at.size() - 1;
-    while (last > 0 && says_nothing(answer_.error_at[last])) --last;
-    return last;
+    for (const auto& [body, followed] : of_body_) {
+      lost(body + 1, followed.of_place, false);
+      lost(body + 1, followed.of_attitude, true);
+    }
   }
 
   void find_steps() {
-    const std::size_t last = last_told(HUGE_VAL);
-    answer_.told_at = last;
-    answer_.tried_at = last_told(tried_until_s_ * (1 + rounding_of_time));
-    answer_.steps_for_t_s = answer_.error_at[last].t_s;
-    answer_.limit_degree = limits_[last].degree;
-    for (const PathPoint& point : path_) {
-      if (point.t <= answer_.steps_for_t_s * (1 + rounding_of_time)) answer_.worst_t_s = point.t;
-    }
+    answer_.told_at = report_.last_told(HUGE_VAL);
+    answer_.tried_at = report_.last_told(tried_until_s_ * (1 + rounding_of_time));
+    const ReportRow& last = report_.rows()[answer_.told_at];
+    answer_.steps_for_t_s = last.error.t_s;
+    // Where there is no limit, the finest run is the best there is.
+    if (last.error.convergence() != Convergence::none) answer_.limit_degree = last.limit.degree;
+    answer_.worst_body = last.worst_body;
+    answer_.worst_t_s = last.worst_t_s;
     for (const double wanted : {1e-3, 1e-2, 1e-1}) answer_.steps_for.push_back({wanted, step_for(last, wanted)});
   }
 
-  std::optional<double> step_for(std::size_t report, double wanted) const {
-    const ErrorUntil& own = answer_.error_at[report];
-    if (own.convergence() == Convergence::none) return std::nullopt;
+  std::optional<double> step_for(const ReportRow& row, double wanted) const {
+    if (row.error.convergence() == Convergence::none) return std::nullopt;
     std::vector<StepError> runs;
     for (std::size_t run = 0; run < runs_.size(); ++run) {
-      const Estimate& error = distances_[report][run];
+      const Estimate& error = row.runs_m[run];
       runs.push_back({answer_.h_s / records_.refinements[run], error.value + error.uncertainty});
     }
-    const bool settled = own.convergence() == Convergence::settled;
-    return step_that_keeps(wanted, runs, settled ? own.order : std::nullopt, settled);
+    const bool settled = row.error.convergence() == Convergence::settled;
+    return step_that_keeps(wanted, runs, settled ? row.error.order : std::nullopt, settled);
   }
-
-  struct PathPoint {
-    double t;
-    double distance;
-    double turn;
-  };
 
   const Records& records_;
   Answer& answer_;
@@ -431,22 +387,14 @@ class Judge {
   // costs.
   static constexpr std::uint64_t most_tried = 100'000;
   double tried_until_s_ = 0;
-  double unseen_m_ = 0;  // of any body
-  double unseen_rad_ = 0;
+  double unseen_m_ = 0;           // of any body
   std::vector<double> energies_;  // of the runs, at this step
   Chaos chaos_;
-  static constexpr double lost_part = 0.1;  // of how far bodies go or turn, is another motion
-  Spread turns_;                            // of bodies until they have turned by more than half a turn
-  bool turned_away_ = false;                // one of those that have
-  double most_turned_ = 0;
-  bool touched_ = false;  // bodies, so far
+  double finest_way_m_ = 0;  // of a body, from its start in the unchanged run
+  bool touched_ = false;     // bodies, so far
   bool bodies_meet_ = false;
   Thinned<ErrorPoint> curve_;
-  std::vector<PathPoint> path_;                   // of the error, each time it has grown by a hundredth
-  std::vector<std::vector<Estimate>> distances_;  // of the runs, at each time of the report
-  std::vector<LimitOf> limits_;                   // likewise
-  std::vector<Apart> apart_;                      // likewise
-  std::vector<Apart> apart_of_body_;              // of Answer::error_of_body, before they are sorted
+  Report report_;
   int next_report_ = first_report;
   double reported_until_s_ = 0;
 };

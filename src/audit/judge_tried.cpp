@@ -1,6 +1,7 @@
 // Settings in the place of the program's own: how far from the limit do they take it, and what do they cost?
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "audit/extrapolation.hpp"
 #include "audit/judge.hpp"
@@ -33,6 +34,10 @@ double cost_of(std::vector<float>& steps) {
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::ranges::nth_element(steps, middle);
   return *middle;
+}
+
+bool same_poses(const Moment& a, const Moment& b) {
+  return std::memcmp(a.bodies.data(), b.bodies.data(), a.bodies.size_bytes()) == 0;
 }
 
 /// A run beside the refined ones: as long as it has the same steps and bodies.
@@ -74,6 +79,7 @@ class TriedJudge {
     for (std::size_t i = 0; i < records.tried.size(); ++i) {
       answer_.tried.push_back({.set = records.tried_sets[i],
                                .work = solver_work(answer, records.tried_sets[i]),
+                               .is_own = true,  // until it is another
                                .asked = records.tried.size() - i <= records.asked});
     }
   }
@@ -108,6 +114,9 @@ class TriedJudge {
     of_others_.clear();
     for (Beside& other : others_) of_others_.push_back(other.next(own));
     again_.next(own);
+    for (std::size_t i = 0; i < answer_.tried.size(); ++i) {
+      if (of_others_[i] == nullptr || !same_poses(own, *of_others_[i])) answer_.tried[i].is_own = false;
+    }
     for (std::size_t i = 0; i < own.bodies.size(); ++i) {
       values_.clear();
       for (const Moment& moment : moments_) {
@@ -125,10 +134,11 @@ class TriedJudge {
   }
 
   void report() {
+    const bool has_limit = answer_.error_at[reports_].convergence() != Convergence::none;
     const LimitOf& limit = limits_[reports_++];
     const auto error = [&](std::size_t run) {
       Estimate its{all_.off(run, {limit.degree, limit.uncertainty_m}), limit.uncertainty_m, Convergence::none};
-      its.convergence = all_.convergence(its, limit.unseen_m);
+      if (has_limit) its.convergence = all_.convergence(its, limit.unseen_m);
       return its;
     };
     for (std::size_t i = 0; i < answer_.tried.size(); ++i) {

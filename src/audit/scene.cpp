@@ -35,6 +35,7 @@ std::vector<Scene> scenes_at(const Records& records, std::size_t degree, const s
   for (const auto& file : records.refined) runs.emplace_back(file);
   std::vector<Scene> scenes;
   Scene now;
+  std::map<std::uint32_t, std::vector<std::uint32_t>> of_world;  // its bodies in the scene
   std::vector<Moment> moments;
   while (scenes.size() < times.size()) {
     moments.clear();
@@ -45,11 +46,17 @@ std::vector<Scene> scenes_at(const Records& records, std::size_t degree, const s
     }
     const Moment& own = moments.front();
     constexpr double rounding = 1e-9;
-    // Other worlds are as they were last.
+    // Other worlds are as they were last; of this one, bodies that are gone are gone.
     const bool wanted = own.frame.t >= times[scenes.size()] - 2 * own.frame.h - rounding;
     if (!wanted) continue;
+    for (const std::uint32_t body : of_world[own.frame.world]) {
+      now.own.erase(body);
+      now.limit.erase(body);
+    }
+    of_world[own.frame.world].clear();
     for (std::size_t i = 0; i < own.bodies.size(); ++i) {
       const BodySample& body = own.bodies[i];
+      of_world[own.frame.world].push_back(body.body + 1);
       Place& place = now.own[body.body + 1];
       std::copy_n(body.position, 3, place.position_m.begin());
       std::copy_n(body.quaternion, 4, place.quaternion.begin());

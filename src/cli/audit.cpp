@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cstdlib>
 #include <memory>
+#include <set>
 
 #include "audit/preload/environment.hpp"
 #include "cli/audit_runs.hpp"
@@ -11,6 +13,7 @@
 #include "cli/flags.hpp"
 #include "cli/settings.hpp"
 #include "odeval/error.hpp"
+#include "output/number.hpp"
 
 namespace odeval::cli {
 namespace {
@@ -37,6 +40,25 @@ std::string wrong_try(const std::string& text) {
                : fmt::format("{} must be one of {}, not {}", row.key, row.words, value);
   }
   return fmt::format("must be KEY=V with a key of {}, not {}", fmt::join(keys, ", "), text);
+}
+
+/// A number may be written in several ways: cfm=1e-5, cfm=0.00001.
+std::string in_one_way(const std::string& set) {
+  const std::size_t value = set.find('=') + 1;
+  char* end = nullptr;
+  const double number = std::strtod(set.c_str() + value, &end);
+  const bool is_number = end != set.c_str() + value && *end == '\0';
+  return is_number ? set.substr(0, value) + number_text(number) : set;
+}
+
+/// In one way, and each once.
+void require_different(std::vector<std::string>& tries, bool accurate) {
+  std::set<std::string> seen;
+  if (accurate) seen.insert("stepper=accurate");
+  for (std::string& set : tries) {
+    set = in_one_way(set);
+    if (!seen.insert(set).second) throw UserError(fmt::format("--try {}: is asked for twice", set));
+  }
 }
 
 void require_refinements(const std::vector<std::string>& words) {
@@ -111,6 +133,7 @@ Action attach_audit(Flags& flags) {
     if (tick.given() && options->clock != "simulated")
       throw UserError("--tick: has no effect without --clock simulated");
     require_refinements(options->refine);
+    require_different(options->tries, options->accurate);
     return run_audit(*options);
   };
 }

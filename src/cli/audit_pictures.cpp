@@ -131,8 +131,13 @@ render::Shot shot(const Troupe& troupe, const Scene& scene) {
   return {troupe.pose(scene.own), troupe.pose(scene.limit), ""};
 }
 
+/// The step that the outline is of: where there is no limit, the smallest that ran.
+std::string outlined(const audit::Answer& answer) {
+  return has_limit(answer, answer.told_at) ? "0" : fmt::format("h/{}", finest(answer));
+}
+
 render::Caption caption(const audit::Answer& answer, const Scene& scene) {
-  return {fmt::format("{}, h = {:.4g} s (outline: at a step of 0)", answer.stepper, answer.h_s),
+  return {fmt::format("{}, h = {:.4g} s (outline: at a step of {})", answer.stepper, answer.h_s, outlined(answer)),
           fmt::format("t = {:.3f} s", scene.t_s)};
 }
 
@@ -149,8 +154,8 @@ std::vector<report::Section> worst_moment(const audit::Answer& answer, const aud
   report::Picture picture{
       .name = "worst",
       .title = fmt::format("At {:.4g} s, when the error until {:.4g} s was reached.", scenes.front().t_s, row.t_s),
-      .caption = fmt::format("Solid: this run. Outline: where it would be at a step of 0. {} is farthest off.{}",
-                             body_name(answer, row.body), troupe.remarks()),
+      .caption = fmt::format("Solid: this run. Outline: where it would be at a step of {}. {} is farthest off.{}",
+                             outlined(answer), body_name(answer, answer.worst_body), troupe.remarks()),
       .png = render::png(studio.picture(shot(troupe, scenes.front()), caption(answer, scenes.front())), texts(answer))};
   return {{"worst-moment", "The worst moment", {std::move(picture)}}};
 }

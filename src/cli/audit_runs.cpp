@@ -239,23 +239,9 @@ class Audit {
     return run::run_pool(work, plan, take, {.processes = options_.jobs, .passed = {}});
   }
 
-  /// A number may be written in several ways: cfm=1e-5, cfm=0.00001.
-  static std::string in_one_way(const std::string& set) {
-    const std::size_t value = set.find('=') + 1;
-    char* end = nullptr;
-    const double number = std::strtod(set.c_str() + value, &end);
-    const bool is_number = end != set.c_str() + value && *end == '\0';
-    return is_number ? set.substr(0, value) + number_text(number) : set;
-  }
-
-  /// What was asked for, each once.
   std::vector<std::string> asked() const {
-    std::vector<std::string> sets;
-    const auto add = [&sets](const std::string& set) {
-      if (std::ranges::find(sets, set) == sets.end()) sets.push_back(set);
-    };
-    for (const std::string& set : options_.tries) add(in_one_way(set));
-    if (options_.accurate) add(accurately);
+    std::vector<std::string> sets = options_.tries;
+    if (options_.accurate) sets.emplace_back(accurately);
     return sets;
   }
 
@@ -280,6 +266,10 @@ class Audit {
     if (answer.h_s == 0) return;
     if (answer.contacts == 0 && answer.contacts_held) {
       throw UserError("--contacts held: has no effect: the program has no contacts");
+    }
+    const Recording own(scratch_.record(0));
+    if (options_.clock == "simulated" && !own.has(audit::asked_the_clock)) {
+      throw UserError("--clock simulated: has no effect: the program asks no clock before its last step");
     }
     for (const std::string& set : asked()) {
       const std::string why = idle(set, answer);
@@ -418,6 +408,10 @@ class Audit {
           fmt::format("what is told is of the first {:.4g} s: all records may take {:g} GB (--records)",
                       own.simulated_s, options_.records_gb));
     }
+    if (options_.until_s > 0 && own.exit_status && own.simulated_s < options_.until_s * (1 - 1e-9)) {
+      answer.limits.push_back(fmt::format("--until {:g} has no effect: the program ends by itself at {:.4g} s",
+                                          options_.until_s, own.simulated_s));
+    }
     const double until_s = answer.diverged ? answer.diverged->t_s - answer.h_s : own.simulated_s;
     for (std::size_t i = 0; i < runs_.size(); ++i) {
       const Recording run(scratch_.record(i));
@@ -466,7 +460,7 @@ class Audit {
                       "would be rigid; steps as short as that may bring bounces and impacts out otherwise",
                       answer.contact_s));
     }
-    if (!Recording(scratch_.record(0)).has(audit::single_precision) && answer.reason.empty()) {
+    if (answer.adds_forces && answer.reason.empty()) {
       answer.limits.emplace_back("forces that the program adds count as constant over each of its own steps");
     }
   }

@@ -138,14 +138,11 @@ void tell_of_uncompared(const CsvColumns& whole, const CsvColumns& half, const O
   const auto tell = [](const CsvColumns& of, const std::string& file, const CsvColumns& other) {
     std::vector<std::string> alone;
     for (const std::string& cell : of.header) {
-      const bool in_both = std::ranges::find(other.header, cell) != other.header.end();
-      if (!in_both && trace_column_of(cell) != nullptr) alone.push_back(cell);
+      if (std::ranges::find(other.header, cell) == other.header.end()) alone.push_back(cell);
     }
     if (alone.empty()) return;
     std::cerr << fmt::format("odeval: {} alone has {}: not compared\n", file, fmt::join(alone, ", "));
   };
-  tell_of_unknown(whole.header, options.trace);
-  tell_of_unknown(half.header, options.against);
   tell(whole, options.trace, half);
   tell(half, options.against, whole);
 }
@@ -170,7 +167,10 @@ int beside_half_the_step(const Options& options) {
   }
   const std::vector<TraceDifference> differences =
       differences_of(whole, half, every, times_within(dt * static_cast<double>(rows - 1)));
-  if (differences.empty()) throw UserError(options.against + ": has no column of " + options.trace);
+  if (differences.empty()) {
+    throw UserError(fmt::format("{}: has {}, and must have a column besides t that {} has: {}", options.against,
+                                fmt::join(half.header, ", "), options.trace, fmt::join(whole.header, ", ")));
+  }
   tell_of_uncompared(whole, half, options);
   std::cout << (options.json ? differences_json(differences) : differences_table(differences));
   return 0;

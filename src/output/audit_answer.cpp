@@ -28,6 +28,12 @@ std::string count(std::uint64_t number, const char* one, const char* many) {
   return fmt::format("{} {}", number, number == 1 ? one : many);
 }
 
+/// "6 bodies, 1 at a time".
+std::string made(std::uint64_t in_all, std::uint64_t at_a_time, const char* one, const char* many) {
+  return count(std::max(in_all, at_a_time), one, many) +
+         (in_all > at_a_time ? fmt::format(", {} at a time", at_a_time) : "");
+}
+
 std::string called(const char* kind, std::uint32_t number, const std::map<std::uint32_t, std::string>& names) {
   const auto name = names.find(number);
   return name == names.end() ? fmt::format("{} {}", kind, number)
@@ -45,11 +51,14 @@ std::string audit_head(const Answer& answer) {
     const char* nothing = answer.unrecorded ? "nothing is recorded; " : "no step of ODE; ";
     return (run.steps == 0 ? nothing : "") + run.end;
   }
+  const auto joints_made =
+      std::ranges::count_if(answer.joint_summaries, [](const auto& its) { return its.number > 0; });
   std::string line = fmt::format(
       "{}, h = {:.4g} s{}, {}, {:.4g} s; {}, {}; {}", answer.stepper, answer.h_s, answer.h_varies ? " at first" : "",
       count(run.steps, "step", "steps") + (answer.worlds > 1 ? " at most" : ""), run.simulated_s,
-      (answer.worlds > 1 ? fmt::format("{} worlds, ", answer.worlds) : "") + count(answer.bodies, "body", "bodies"),
-      count(answer.joints, "joint", "joints"), run.end);
+      (answer.worlds > 1 ? fmt::format("{} worlds, ", answer.worlds) : "") +
+          made(answer.bodies_made, answer.bodies, "body", "bodies"),
+      made(static_cast<std::uint64_t>(joints_made), answer.joints, "joint", "joints"), run.end);
   if (answer.runs.size() > 1) line += answer.parting ? "; does not repeat" : "; repeats to the bit";
   return line;
 }
@@ -78,8 +87,7 @@ bool only_bounded(const Estimate& error) {
   return error.convergence == Convergence::rough && error.uncertainty >= error.value;
 }
 
-/// Of the refinements.
-static int finest(const Answer& answer) {
+int finest(const Answer& answer) {
   return std::ranges::max_element(answer.runs, {}, &audit::ProgramRun::refinement)->refinement;
 }
 
@@ -89,6 +97,15 @@ bool stiff_contacts(const Answer& answer) {
 
 bool has_limit(const Answer& answer, std::size_t at) {
   return !answer.error_at.empty() && answer.error_at[at].convergence() != Convergence::none;
+}
+
+std::string no_limit_text(const Answer& answer) {
+  return fmt::format("steps down to h/{} do not bring the runs together", finest(answer));
+}
+
+std::string lost_text(const Answer& answer) {
+  return fmt::format("{} is off by more than a tenth of how far it has {} until then",
+                     body_name(answer, answer.lost_body), answer.lost_turned ? "turned" : "gone");
 }
 
 const audit::Tried* cheapest(const Answer& answer) {
@@ -112,22 +129,34 @@ namespace {
 
 std::string error_cell(const Estimate& error) {
   if (error.convergence == Convergence::none) return "no limit";
+  if (error.value + error.uncertainty < Estimate::nothing) return fmt::format("below {:g}", Estimate::nothing);
   if (only_bounded(error)) return "at most " + most_text(error);
   return with_uncertainty(error.value, error.uncertainty);
 }
 
+/// A billionth of the most energy that there was, J: what is less is rounding, or nobody's concern.
+double energy_rounding(const Answer& answer) {
+  double most = 1e-3;
+  for (const audit::EnergyPoint& point : answer.energy_over_time) {
+    for (const double energy : {point.kinetic_J, point.potential_J}) {
+      if (std::isfinite(energy)) most = std::max(most, std::fabs(energy));
+    }
+  }
+  return 1e-9 * most;
+}
+
 std::string energy_error(const Answer& answer) {
   const Estimate& error = answer.energy.error_J;
+  const double rounding = energy_rounding(answer);
+  if (error.value + error.uncertainty <= rounding) return fmt::format("below {:.0e} J", rounding);
   return error.convergence == Convergence::none ? "without a limit" : error_cell(error) + " J";
 }
 
-/// The first three, 1, 2 and 5 s of a long program; the end; the last before it that has a limit; and the latest.
+/// The last that steps are told by and the one after it, the end, and of the others the first.
 std::vector<std::size_t> shown_rows(const Answer& answer) {
   const std::size_t count = answer.error_at.size();
-  std::set<std::size_t> rows;
-  for (std::size_t i = 0; i < std::min<std::size_t>(count, 3); ++i) rows.insert(i);
-  rows.insert({count - 1, answer.told_at});
-  for (std::size_t i = count; i-- > 0 && rows.size() < most_rows;) rows.insert(i);
+  std::set<std::size_t> rows{answer.told_at, std::min(answer.told_at + 1, count - 1), count - 1};
+  for (std::size_t i = 0; i < count && rows.size() < most_rows; ++i) rows.insert(i);
   return {rows.begin(), rows.end()};
 }
 
@@ -144,8 +173,7 @@ std::string errors_table(const Answer& answer) {
 
 std::string motion_line(const Answer& answer) {
   if (!answer.lost_at_s) return "the same motion to the end";
-  return fmt::format("lost at {:.3g} s: the error is more than a tenth of how far bodies go or turn",
-                     *answer.lost_at_s);
+  return fmt::format("lost at {:.3g} s: {}", *answer.lost_at_s, lost_text(answer));
 }
 
 /// Where the program's own run is no number any more.
@@ -156,22 +184,73 @@ std::string diverged_line(const Answer& answer) {
                      body_name(answer, where.body), where.step, where.t_s);
 }
 
+/// Of one that has no limit, or of which only the size is known.
+const char* part_without(Convergence convergence, const ErrorUntil& row) {
+  if (row.distance_m.convergence != convergence) return "turns";
+  return row.turn_rad.convergence != convergence ? "places" : "runs";
+}
+
+/// How finer runs are asked for.
+std::string finer_runs(const Answer& answer) {
+  std::vector<int> refinements;
+  for (const audit::ProgramRun& run : answer.runs) {
+    if (refinements.empty() || run.refinement > refinements.back()) refinements.push_back(run.refinement);
+  }
+  constexpr int most = 1024;
+  for (int more = 2; more > 0 && 2 * refinements.back() <= most; --more) refinements.push_back(2 * refinements.back());
+  return fmt::format("--refine {}", fmt::join(refinements, ","));
+}
+
+/// What is first known to its size only, what first has no limit, and where the motion is lost.
 std::string verdict_line(const Answer& answer) {
-  const auto convergence = [](const ErrorUntil& row) { return row.convergence(); };
-  auto bad = std::ranges::find(answer.error_at, Convergence::none, convergence);
-  if (bad == answer.error_at.end()) bad = std::ranges::find(answer.error_at, Convergence::rough, convergence);
-  const bool lost_early = answer.lost_at_s && *answer.lost_at_s < answer.until_s;
-  if (bad == answer.error_at.end() && !lost_early) return "";
-  if (bad == answer.error_at.end() || (answer.lost_at_s && *answer.lost_at_s <= bad->t_s)) {
-    return fmt::format("h = {:.3g} s is too coarse for this motion from {:.3g} s on", answer.h_s, *answer.lost_at_s);
+  const auto first = [&](Convergence convergence) {
+    const auto its = [](const ErrorUntil& row) { return row.convergence(); };
+    const auto row = std::ranges::find(answer.error_at, convergence, its);
+    const bool is_after = row != answer.error_at.end() && row->t_s > answer.lost_at_s.value_or(HUGE_VAL);
+    return is_after ? answer.error_at.end() : row;
+  };
+  std::vector<std::string> words;
+  if (const auto rough = first(Convergence::rough); rough != answer.error_at.end()) {
+    const std::string part = part_without(Convergence::rough, *rough);
+    words.push_back(fmt::format("until {:.3g} s the {} known to its size only: ± is more than a tenth of it",
+                                rough->t_s,
+                                part == "turns"    ? "turn is"
+                                : part == "places" ? "error is"
+                                                   : "error and the turn are each"));
   }
-  if (bad->convergence() == Convergence::rough) {
-    return fmt::format("until {:.3g} s the error, or the turn, is known to its size only: ± is more than a tenth of it",
-                       bad->t_s);
+  const auto none = first(Convergence::none);
+  if (none != answer.error_at.end()) {
+    std::string text = no_limit_text(answer);
+    if (const std::string part = part_without(Convergence::none, *none); part != "runs")
+      text.replace(text.find("the runs"), 8, "the " + part);
+    words.push_back(fmt::format("until {:.3g} s {}: nothing is extrapolated there", none->t_s, text));
+    const bool is_chaos = answer.chaos_from_s && *answer.chaos_from_s <= none->t_s;
+    if (!is_chaos && finest(answer) < 1024) words.back() += ", and finer ones may do (" + finer_runs(answer) + ")";
   }
-  const bool placed = bad->distance_m.convergence != Convergence::none;
-  return fmt::format("until {:.3g} s smaller steps do not bring the {} together: nothing is extrapolated there",
-                     bad->t_s, placed ? "turns" : "runs");
+  const bool is_lost = answer.lost_at_s && *answer.lost_at_s < answer.until_s;
+  if (is_lost && !(answer.chaos_from_s && *answer.chaos_from_s <= *answer.lost_at_s)) {
+    words.push_back(
+        fmt::format("h = {:.3g} s is too coarse for this motion from {:.3g} s on", answer.h_s, *answer.lost_at_s));
+  }
+  return fmt::format("{}", fmt::join(words, "; "));
+}
+
+/// Whether what is wrong is the motion's own, or the step's.
+std::string chaos_line(const Answer& answer) {
+  if (!answer.growth) return "";
+  constexpr const char* starts = "starts that differ by 1e-10 m";
+  if (answer.chaos_from_s) {
+    return fmt::format("from {:.3g} s on {} part by as much as the error: no step helps", *answer.chaos_from_s, starts);
+  }
+  const double apart_m = 1e-10 * *answer.growth;
+  if (answer.flies_apart) {
+    return fmt::format("none: {} end {:.2g} m apart, as nothing does at the smallest step: the step makes the error",
+                       starts, apart_m);
+  }
+  const bool is_wrong = answer.lost_at_s || answer.error_at.back().distance_m.value > apart_m;
+  const char* so = is_wrong ? ", so the step makes the error" : "";
+  if (*answer.growth < 2) return fmt::format("none: {} stay as close{}", starts, so);
+  return fmt::format("not yet: {} are at most {:.2g} m apart{}", starts, apart_m, so);
 }
 
 std::string steps_line(const Answer& answer) {
@@ -194,6 +273,15 @@ std::string steps_line(const Answer& answer) {
   return fmt::format("for an error until {:.3g} s of {}", answer.steps_for_t_s, fmt::join(words, ", of "));
 }
 
+/// What the user asked for, where nothing can be told of it.
+std::string asked_in_vain(const Answer& answer) {
+  std::vector<std::string> sets;
+  for (const audit::Tried& one : answer.tried) {
+    if (one.asked) sets.push_back(one.set);
+  }
+  return sets.empty() ? "" : fmt::format("{}: there is no limit to hold them against", fmt::join(sets, ", "));
+}
+
 /// The best of what was tried, and all that the user asked for, beside the program's own; what changes nothing in a
 /// clause.
 std::string tried_line(const Answer& answer) {
@@ -206,7 +294,8 @@ std::string tried_line(const Answer& answer) {
   std::ranges::stable_sort(order, [&](const audit::Tried* a, const audit::Tried* b) {
     return ended(a) || ended(b) ? ended(a) < ended(b) : error(a) < error(b);
   });
-  if (order.empty() || !has_limit(answer, answer.tried_at)) return "";
+  if (!has_limit(answer, answer.tried_at)) return asked_in_vain(answer);
+  if (order.empty()) return "";
   const auto shown = [](const Estimate& its) {
     return (only_bounded(its) ? "at most " + most_text(its) : fmt::format("{:.3g}", its.value)) + " m";
   };
@@ -215,7 +304,9 @@ std::string tried_line(const Answer& answer) {
   std::vector<std::string> same;
   std::size_t told = 0;
   for (const audit::Tried* one : order) {
-    const std::string text = ended(one) ? "has ended before" : shown(one->distance_m[answer.tried_at]);
+    const std::string text = ended(one)                  ? "has ended before"
+                             : one->asked && one->is_own ? "changes nothing"
+                                                         : shown(one->distance_m[answer.tried_at]);
     if (text == own && !one->asked) {
       same.push_back(one->set);
     } else if (told++ < most_tried || one->asked) {
@@ -248,14 +339,15 @@ std::string softness_line(const Answer& answer) {
 std::string work_line(const Answer& answer) {
   const audit::Work& work = answer.work;
   const double of_step = answer.energy.end_J - answer.energy.begin_J - work.sum();
-  const std::array<std::pair<const char*, double>, 7> parts{{{"added forces", work.added},
+  const std::array<std::pair<const char*, double>, 8> parts{{{"added forces", work.added},
                                                              {"motors", work.motors},
+                                                             {"stops", work.stops},
                                                              {"joints", work.joints},
                                                              {"contacts", work.contacts},
                                                              {"damping", work.damping},
                                                              {"the program's own changes", work.program},
                                                              {"the step's own", of_step}}};
-  double largest = 1e-12;  // J: that no one asks for
+  double largest = 1e3 * energy_rounding(answer);
   for (const auto& [name, value] : parts) largest = std::max(largest, std::fabs(value));
   std::vector<std::string> words;
   for (const auto& [name, value] : parts) {
@@ -271,7 +363,10 @@ std::string percent(std::uint64_t part, std::uint64_t whole) {
 /// The widest gap, and the motor that is at its limit for longest.
 std::string joints_line(const Answer& answer) {
   std::vector<std::string> words;
-  if (answer.gap.joint > 0) {
+  constexpr double no_gap_m = 1e-6;  // nobody's concern
+  if (answer.gap.joint > 0 && answer.gap.largest_m < no_gap_m) {
+    words.push_back(fmt::format("none is more than {:g} m apart", no_gap_m));
+  } else if (answer.gap.joint > 0) {
     words.push_back(fmt::format("{} is the worst: {:.3g} m apart at {:.3g} s", joint_name(answer, answer.gap.joint),
                                 answer.gap.largest_m, answer.gap.t_s));
   }
@@ -309,15 +404,15 @@ AuditLines audit_lines(const Answer& answer) {
   line("diverged", diverged_line(answer));
   line("verdict", verdict_line(answer));
   line("step", steps_line(answer));
-  if (answer.growth) {
-    line("chaos", *answer.growth < 2
-                      ? "starts moved by 1e-10 m stay as close"
-                      : fmt::format("starts moved by 1e-10 m are at most {:.2g} times that apart", *answer.growth));
-  }
+  line("chaos", chaos_line(answer));
   line("softness", softness_line(answer));
   line("settings", tried_line(answer));
-  line("energy", fmt::format("{:.4g} J at the start, {:.4g} J at the end, error {}", answer.energy.begin_J,
-                             answer.energy.end_J, energy_error(answer)));
+  const auto but_for_rounding = [&](double energy) {
+    return std::fabs(energy) <= energy_rounding(answer) ? 0 : energy;
+  };
+  line("energy",
+       fmt::format("{:.4g} J at the start, {:.4g} J at the end, error {}", but_for_rounding(answer.energy.begin_J),
+                   but_for_rounding(answer.energy.end_J), energy_error(answer)));
   line("work", work_line(answer));
   line("joints", joints_line(answer));
   if (answer.contacts > 0) {

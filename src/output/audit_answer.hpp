@@ -26,6 +26,12 @@ bool only_bounded(const audit::Estimate& error);
 bool stiff_contacts(const audit::Answer& answer);
 /// Whether there is an error, at this one of Answer::error_at, that steps or settings can be told by.
 bool has_limit(const audit::Answer& answer, std::size_t at);
+/// "steps down to h/8 do not bring the runs together": why an error has no limit.
+std::string no_limit_text(const audit::Answer& answer);
+/// "the error is more than a tenth of how far body 2 has gone until then"; where the motion is lost.
+std::string lost_text(const audit::Answer& answer);
+/// Of the refinements, the largest.
+int finest(const audit::Answer& answer);
 /// Of what was tried, that keeps the error within a tenth; null where the program's own settings are as cheap, to a
 /// twentieth.
 const audit::Tried* cheapest(const audit::Answer& answer);

@@ -35,6 +35,7 @@ Json joint_json(const audit::JointSummary& joint) {
   json["joint"] = joint.number;
   json["torque"] = json_or_null(joint.torque_Nm);
   json["motor_work"] = json_or_null(joint.motor_work_J);
+  json["stop_work"] = json_or_null(joint.stop_work_J);
   json["steps_at_limit"] = joint.at_limit ? Json(*joint.at_limit) : Json();
   json["steps_at_stop"] = joint.at_stop ? Json(*joint.at_stop) : Json();
   return json;
@@ -44,6 +45,7 @@ void add_ledger(const Answer& answer, Json& json) {
   const audit::Work& work = answer.work;
   json["work"] = {{"added", json_or_null(work.added)},
                   {"motors", json_or_null(work.motors)},
+                  {"stops", json_or_null(work.stops)},
                   {"joints", json_or_null(work.joints)},
                   {"contacts", json_or_null(work.contacts)},
                   {"damping", json_or_null(work.damping)},
@@ -112,6 +114,7 @@ Json tried_json(const Answer& answer) {
     }
     list.push_back({{"set", tried.set},
                     {"error_at", std::move(errors)},
+                    {"changes_nothing", tried.is_own},
                     {"work_ratio", json_or_null(tried.work)},
                     {"cpu_ratio", json_or_null(tried.cpu)}});
   }
@@ -160,6 +163,7 @@ std::string audit_json(const Answer& answer) {
                {"h_varies", answer.h_varies},
                {"steps", own.steps},
                {"bodies", answer.bodies},
+               {"bodies_made", answer.bodies_made},
                {"joints", answer.joints},
                {"contact_s", answer.contact_s > 0 ? json_or_null(answer.contact_s) : Json()},
                {"messages", answer.messages},
@@ -178,7 +182,9 @@ std::string audit_json(const Answer& answer) {
   json["convergence"] = last != nullptr ? Json(convergence_word(last->convergence())) : Json();
   json["until"] = json_or_null(answer.until_s);
   json["lost_at"] = json_of(answer.lost_at_s);
+  json["lost_body"] = answer.lost_at_s ? Json(answer.lost_body) : Json();
   json["growth"] = json_of(answer.growth);
+  json["chaos_from"] = json_of(answer.chaos_from_s);
   json["error_at"] = errors_json(answer);
   json["error_of_body"] = bodies_json(answer);
   Json steps = Json::array();
@@ -194,7 +200,8 @@ std::string audit_json(const Answer& answer) {
   json["energy"] = {{"begin", json_or_null(answer.energy.begin_J)},
                     {"end", json_or_null(answer.energy.end_J)},
                     {"error", json_of(answer.energy.error_J)}};
-  json["worst"] = {{"body", last != nullptr ? Json(last->body) : Json()},
+  json["worst"] = {{"body", answer.worst_body > 0 ? Json(answer.worst_body) : Json()},
+                   {"t", answer.worst_body > 0 ? json_or_null(answer.worst_t_s) : Json()},
                    {"joint", answer.gap.joint > 0 ? Json(answer.gap.joint) : Json()},
                    {"gap", json_or_null(answer.gap.largest_m)},
                    {"contacts", answer.contacts},
@@ -209,15 +216,16 @@ std::string audit_json(const Answer& answer) {
 
 AuditSteps::AuditSteps(const std::filesystem::path& file) : file_(file) {
   file_.write(
-      "world,t,kinetic,potential,energy,work_added,work_motors,work_joints,work_contacts,work_damping,"
+      "world,t,kinetic,potential,energy,work_added,work_motors,work_stops,work_joints,work_contacts,work_damping,"
       "work_program,gap,contacts,depth,messages\n");
 }
 
 void AuditSteps::add(const audit::StepRow& row) {
   const audit::Work& work = row.work;
   std::string line = std::to_string(row.world);
-  for (const double value : {row.t_s, row.kinetic_J, row.potential_J, row.kinetic_J + row.potential_J, work.added,
-                             work.motors, work.joints, work.contacts, work.damping, work.program, row.gap_m}) {
+  for (const double value :
+       {row.t_s, row.kinetic_J, row.potential_J, row.kinetic_J + row.potential_J, work.added, work.motors, work.stops,
+        work.joints, work.contacts, work.damping, work.program, row.gap_m}) {
     line += ',' + number_text(value);
   }
   file_.write(fmt::format("{},{},{},{}\n", line, row.contacts, number_text(row.depth_m), row.messages));

@@ -250,12 +250,23 @@ Trace trace_of(const CsvColumns& table) { return Unlayout(table).trace(); }
 
 namespace {
 
+bool names_nothing(const std::string& cell) {
+  double value = 0;
+  const auto [stop, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  return stop == cell.data() + cell.size() && error != std::errc::invalid_argument;
+}
+
 std::vector<std::string> parse_header(std::string_view line, const std::string& name) {
   std::vector<std::string> header;
-  for (bool more = true; more;) {
-    header.emplace_back(next_cell(line, more));
-    const std::string& cell = header.back();
-    if (cell.empty()) throw UserError(fmt::format("{}:1: column {} has no name", name, header.size()));
+  for (bool more = true; more;) header.emplace_back(next_cell(line, more));
+  if (std::ranges::all_of(header, names_nothing)) {
+    throw UserError(
+        fmt::format("{}:1: has no header: must have the names of the columns, not {}", name, header.front()));
+  }
+  for (const std::string& cell : header) {
+    if (cell.empty()) {
+      throw UserError(fmt::format("{}:1: column {} has no name", name, &cell - header.data() + 1));
+    }
     if (std::ranges::count(header, cell) > 1) throw UserError(fmt::format("{}:1: has two columns {}", name, cell));
   }
   for (const char other : {';', '\t'}) {

@@ -64,12 +64,12 @@ std::vector<TraceDifference> differences_of(const CsvColumns& whole, const CsvCo
     const std::string& name = whole.header[i];
     const auto other = std::ranges::find(half.header, name);
     const TraceColumn* kind = trace_column_of(name);
-    if (name == "t" || other == half.header.end() || kind == nullptr || kind->exact) continue;
+    if (name == "t" || other == half.header.end() || (kind != nullptr && kind->exact)) continue;
     const Column& finer = half.columns[static_cast<std::size_t>(other - half.header.begin())];
-    // q1 and q2 are angles, vx1 and vx2 velocities: one row for all of them.
-    std::string family = name.substr(0, name.find_first_of("0123456789"));
+    // q1 and q2 are angles, vx1 and vx2 velocities: one row for all of them. What no trace has is a row of its own.
+    const std::string family = kind == nullptr ? name : name.substr(0, name.find_first_of("0123456789"));
     auto place = std::ranges::find(differences, family, &TraceDifference::column);
-    if (place == differences.end()) place = differences.insert(place, {family, kind->unit, {}});
+    if (place == differences.end()) place = differences.insert(place, {family, kind == nullptr ? "" : kind->unit, {}});
     for (const double until : times) {
       double& largest = place->until[until];
       for (std::size_t row = 0; row < t.size() && t[row] <= until * (1 + 1e-9) && row * every < finer.size(); ++row) {

@@ -22,7 +22,7 @@ struct TraceDifference {
   std::map<double, double> until;
 };
 
-/// Of columns that both have; the second has `every` rows for each of the first.
+/// Of columns that both have, whatever their names; the second has `every` rows for each of the first.
 std::vector<TraceDifference> differences_of(const CsvColumns& whole, const CsvColumns& half, std::size_t every,
                                             std::span<const double> times);
 /// With what they mean at first order.

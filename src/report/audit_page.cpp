@@ -51,14 +51,14 @@ int colour_of_run(std::size_t run) {
   return number < ink ? number : (number + 1) % method_colours;
 }
 
-Cell cell(const Estimate& error) {
-  if (error.convergence == audit::Convergence::none) return Missing{"smaller steps do not bring the runs together"};
+Cell cell(const Answer& answer, const Estimate& error) {
+  if (error.convergence == audit::Convergence::none) return Missing{no_limit_text(answer)};
   if (std::isnan(error.value)) return Missing{"this run has ended before"};
   if (only_bounded(error)) return "at most " + most_text(error);
   return error.value;
 }
-Cell uncertainty(const Estimate& error) {
-  if (error.convergence == audit::Convergence::none) return Missing{"smaller steps do not bring the runs together"};
+Cell uncertainty(const Answer& answer, const Estimate& error) {
+  if (error.convergence == audit::Convergence::none) return Missing{no_limit_text(answer)};
   if (std::isnan(error.value)) return Missing{"this run has ended before"};
   if (only_bounded(error)) return Missing{"it is as large as the error, of which only the most is known"};
   return error.uncertainty;
@@ -81,8 +81,7 @@ Figure errors_over_time(const Answer& answer) {
     limit.y.push_back(point.uncertainty_m);
   }
   panel.series.push_back(std::move(limit));
-  if (answer.lost_at_s)
-    panel.shade = Shade{*answer.lost_at_s, "the error is more than a tenth of how far bodies go or turn"};
+  if (answer.lost_at_s) panel.shade = Shade{*answer.lost_at_s, lost_text(answer)};
   return {.name = "error-over-time", .panels = {std::move(panel)}};
 }
 
@@ -109,9 +108,10 @@ Table errors_until(const Answer& answer) {
   Table table{.name = "error-until",
               .columns = {"until t, s", "error, m", "±, m", "turned, rad", "±, rad", "order", "known", "largest"}};
   for (const audit::ErrorUntil& row : answer.error_at) {
-    table.rows.push_back({time(row.t_s), cell(row.distance_m), uncertainty(row.distance_m), cell(row.turn_rad),
-                          uncertainty(row.turn_rad), row.order ? Cell(*row.order) : Missing{"the runs do not differ"},
-                          convergence_words(row), body_name(answer, row.body)});
+    table.rows.push_back({time(row.t_s), cell(answer, row.distance_m), uncertainty(answer, row.distance_m),
+                          cell(answer, row.turn_rad), uncertainty(answer, row.turn_rad),
+                          row.order ? Cell(*row.order) : Missing{"the runs do not differ"}, convergence_words(row),
+                          body_name(answer, row.body)});
   }
   return table;
 }
@@ -128,6 +128,7 @@ Table steps_for(const Answer& answer) {
 Content errors(const Answer& answer) {
   return {{{"step", number(answer.h_s)},
            {"until", number(time(answer.steps_for_t_s))},
+           {"no_limit", no_limit_text(answer)},
            {"lost", answer.lost_at_s ? number(*answer.lost_at_s) : ""}},
           {errors_over_time(answer), order(answer), errors_until(answer), steps_for(answer)}};
 }
@@ -141,21 +142,23 @@ Content bodies(const Answer& answer) {
                            [](const audit::BodyError* row) { return row->distance_m.value; });
   Table table{.name = "bodies", .columns = {"body", "error, m", "±, m", "turned, rad", "±, rad"}};
   for (const audit::BodyError* row : rows) {
-    table.rows.push_back({body_name(answer, row->body), cell(row->distance_m), uncertainty(row->distance_m),
-                          cell(row->turn_rad), uncertainty(row->turn_rad)});
+    table.rows.push_back({body_name(answer, row->body), cell(answer, row->distance_m),
+                          uncertainty(answer, row->distance_m), cell(answer, row->turn_rad),
+                          uncertainty(answer, row->turn_rad)});
   }
   return {{{"until", number(time(answer.steps_for_t_s))}}, {std::move(table)}};
 }
 
 Content settings(const Answer& answer) {
   Table table{.name = "settings", .columns = {"setting", "error, m", "±, m", "work", "time"}};
-  const Estimate& own = answer.error_at[answer.tried_at].distance_m;
-  table.rows.push_back({"as it is", cell(own), uncertainty(own), 1.0, 1.0});
+  Estimate own = answer.error_at[answer.tried_at].distance_m;
+  if (!has_limit(answer, answer.tried_at)) own.convergence = audit::Convergence::none;
+  table.rows.push_back({"as it is", cell(answer, own), uncertainty(answer, own), 1.0, 1.0});
   for (const audit::Tried& tried : answer.tried) {
     const Estimate& error = tried.distance_m[answer.tried_at];
-    table.rows.push_back({tried.set, cell(error), uncertainty(error),
-                          std::isnan(tried.work) ? Cell(Missing{"it is not ODE's solver"}) : Cell(tried.work),
-                          tried.cpu});
+    table.rows.push_back(
+        {tried.set + (tried.is_own ? ", which changes nothing" : ""), cell(answer, error), uncertainty(answer, error),
+         std::isnan(tried.work) ? Cell(Missing{"it is not ODE's solver"}) : Cell(tried.work), tried.cpu});
   }
   return {{{"until", number(time(answer.error_at[answer.tried_at].t_s))}}, {std::move(table)}};
 }
@@ -176,7 +179,8 @@ struct WorkRow {
   double Work::*part;
 };
 constexpr WorkRow works[] = {{"forces that the program adds", &Work::added},
-                             {"motors and stops", &Work::motors},
+                             {"motors", &Work::motors},
+                             {"stops", &Work::stops},
                              {"joints", &Work::joints},
                              {"contacts", &Work::contacts},
                              {"damping", &Work::damping},
@@ -213,14 +217,14 @@ Content joints(const Answer& answer) {
   panel.series.push_back(over_time(answer, "", ink, [](const audit::EnergyPoint& point) { return point.gap_m; }));
   Table table{.name = "joints",
               .columns = {"joint", "kind", "gap, m", "at t, s", "force, N", "torque, N m", "work, J", "of motors, J",
-                          "steps at its limit", "steps at a stop"}};
+                          "of stops, J", "steps at its limit", "steps at a stop"}};
   const auto cell = [](double number) { return std::isnan(number) ? Cell(Missing{"not followed"}) : Cell(number); };
   const auto steps = [&](const std::optional<std::uint64_t>& of) { return cell(of ? static_cast<double>(*of) : NAN); };
   for (const JointSummary& joint : answer.joint_summaries) {
     if (joint.number == 0) continue;
     table.rows.push_back({joint_name(answer, joint.number), joint.kind, cell(joint.largest_m), cell(joint.largest_t_s),
-                          joint.force_N, joint.torque_Nm, joint.work_J, cell(joint.motor_work_J), steps(joint.at_limit),
-                          steps(joint.at_stop)});
+                          joint.force_N, joint.torque_Nm, joint.work_J, cell(joint.motor_work_J),
+                          cell(joint.stop_work_J), steps(joint.at_limit), steps(joint.at_stop)});
   }
   return {{}, {Figure{.name = "gaps", .panels = {std::move(panel)}}, std::move(table)}};
 }
@@ -286,13 +290,13 @@ std::string lead(const Answer& answer) {
   if (!answer.reason.empty()) return "No error can be told: " + answer.reason + ".";
   const audit::ErrorUntil& row = answer.error_at[answer.told_at];
   if (row.convergence() == audit::Convergence::none) {
-    return fmt::format("Until {} s smaller steps do not bring the runs together: no error can be told.",
-                       number(time(row.t_s)));
+    return fmt::format("Until {} s {}: no error can be told.", number(time(row.t_s)), no_limit_text(answer));
   }
   const Finding error{"", "m", row.distance_m.value, row.distance_m.uncertainty, ""};
-  const std::string most = only_bounded(row.distance_m) ? most_text(row.distance_m) + " m" : shown(error);
-  std::string text = fmt::format("Until {} s {} is at most {} from where it would be at a step of 0.",
-                                 number(time(row.t_s)), body_name(answer, row.body), most);
+  const std::string far =
+      only_bounded(row.distance_m) ? "at most " + most_text(row.distance_m) + " m" : "up to " + shown(error);
+  std::string text = fmt::format("Until {} s {} is {} from where it would be at a step of 0.", number(time(row.t_s)),
+                                 body_name(answer, row.body), far);
   if (answer.diverged) {
     text += fmt::format(" From {} s on {} is no finite number.", number(answer.diverged->t_s),
                         body_name(answer, answer.diverged->body));
@@ -300,7 +304,7 @@ std::string lead(const Answer& answer) {
   if (answer.lost_at_s) {
     text += fmt::format(" From {} s on it is another motion.", number(*answer.lost_at_s));
   } else if (answer.error_at.back().convergence() == audit::Convergence::none) {
-    text += " After that smaller steps do not bring the runs together.";
+    text += fmt::format(" After that {}.", no_limit_text(answer));
   }
   return text;
 }

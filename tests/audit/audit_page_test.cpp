@@ -44,6 +44,7 @@ Answer some_answer() {
     answer.error_of_body.push_back({t, 2, {0.0125, 1e-4, convergence}, {0.02, 1e-4, convergence}});
   }
   answer.lost_at_s = 1.5;
+  answer.lost_body = 1;
   answer.until_s = 2;
   answer.steps_for_t_s = 1;
   answer.steps_for = {{1e-3, std::nullopt}, {1e-1, 0.001}};
@@ -87,13 +88,14 @@ std::string visible(const std::string& html) {
 
 void says_the_answer(const std::string& html) {
   CHECK(has(html,
-            "Until 1 s body 2 (left &amp; foot) is at most 0.0125 ± 0.0001 m from where it would be at a step of 0. "
+            "Until 1 s body 2 (left &amp; foot) is up to 0.0125 ± 0.0001 m from where it would be at a step of 0. "
             "From 1.5 s on it is another motion."));
   CHECK(has(html, "<code>./walk &lt;fast&gt;</code>"));
-  CHECK(has(html, "<dt>motion</dt><dd>lost at 1.5 s"));
+  CHECK(has(html,
+            "<dt>motion</dt><dd>lost at 1.5 s: body 1 is off by more than a tenth of how far it has gone until then"));
   CHECK(has(html, "<dt>ODE</dt><dd>0.16</dd>"));
   CHECK(has(html, "<td class=\"whole\">erp=0.8</td><td class=\"number\">0.01</td>"));
-  CHECK(has(html, "smaller steps do not bring the runs together</p>"));
+  CHECK(has(html, "steps down to h/4 do not bring the runs together</p>"));
   CHECK(has(html, "<td>body 2 (left &amp; foot), the world</td>"));
   CHECK(has(html, "forces count as constant"));
   CHECK(has(html, "Until 2 s</b>"));  // of a sum of steps
@@ -145,6 +147,87 @@ void says_no_more_than_is_known() {
   CHECK(has(audit_text(answer), "0.296 ± 0.3"));  // rounded: 0.29
 }
 
+std::string line_of(const Answer& answer, const std::string& name) {
+  for (const auto& [its, what] : audit_lines(answer)) {
+    if (its == name) return what;
+  }
+  return "";
+}
+
+/// All that is wrong with it is told, which part it is, and what may help.
+void says_what_is_wrong() {
+  Answer answer = some_answer();
+  audit::ErrorUntil& first = answer.error_at[0];
+  audit::ErrorUntil& second = answer.error_at[1];
+  CHECK_EQUAL(line_of(answer, "verdict"), "h = 0.001 s is too coarse for this motion from 1.5 s on");
+  first.turn_rad.convergence = Convergence::rough;
+  CHECK(has(line_of(answer, "verdict"), "until 1 s the turn is known to its size only"));
+  first.distance_m.convergence = Convergence::rough;
+  CHECK(has(line_of(answer, "verdict"), "until 1 s the error and the turn are each known to its size only"));
+  first.turn_rad.convergence = Convergence::settled;
+  CHECK(has(line_of(answer, "verdict"), "until 1 s the error is known to its size only"));
+  CHECK(has(line_of(answer, "verdict"), "; h = 0.001 s is too coarse for this motion from 1.5 s on"));
+  answer.lost_at_s.reset();
+  CHECK(has(line_of(answer, "verdict"),
+            "; until 2 s steps down to h/4 do not bring the runs together: nothing is extrapolated there, and finer "
+            "ones may do (--refine 1,2,4,8,16)"));
+  second.distance_m.convergence = Convergence::settled;
+  CHECK(has(line_of(answer, "verdict"), "do not bring the turns together"));
+  second.turn_rad.convergence = Convergence::settled;
+  second.distance_m.convergence = Convergence::none;
+  CHECK(has(line_of(answer, "verdict"), "do not bring the places together"));
+  answer.chaos_from_s = 1.8;
+  CHECK(!has(line_of(answer, "verdict"), "--refine"));
+  answer.lost_at_s = 1.9;
+  CHECK(!has(line_of(answer, "verdict"), "too coarse"));
+}
+
+/// Whether no step helps, or the step is what is wrong.
+void tells_chaos_from_the_step() {
+  Answer answer = some_answer();
+  CHECK_EQUAL(line_of(answer, "chaos"), "");
+  answer.growth = 1;
+  CHECK_EQUAL(line_of(answer, "chaos"),
+              "none: starts that differ by 1e-10 m stay as close, so the step makes the error");
+  answer.growth = 1e5;
+  CHECK_EQUAL(line_of(answer, "chaos"),
+              "not yet: starts that differ by 1e-10 m are at most 1e-05 m apart, so the step makes the error");
+  answer.flies_apart = true;
+  CHECK(has(line_of(answer, "chaos"), "end 1e-05 m apart, as nothing does at the smallest step"));
+  answer.chaos_from_s = 1.8;
+  CHECK_EQUAL(line_of(answer, "chaos"),
+              "from 1.8 s on starts that differ by 1e-10 m part by as much as the error: no step helps");
+}
+
+/// Where there is no limit, nothing is held against it, and what was asked for is told.
+void holds_nothing_against_no_limit() {
+  Answer answer = some_answer();
+  for (audit::ErrorUntil& row : answer.error_at)
+    row.distance_m.convergence = row.turn_rad.convergence = Convergence::none;
+  answer.tried.push_back({.set = "w=1", .distance_m = {{0.01, 1e-4, Convergence::none}}, .asked = true});
+  CHECK_EQUAL(line_of(answer, "settings"), "w=1: there is no limit to hold them against");
+  CHECK(has(line_of(answer, "step"), "none is told"));
+  CHECK(!has(line_of(answer, "settings"), "erp=0.8"));
+}
+
+/// What is next to nothing is no finding; what adds up to nothing is one.
+void leaves_rounding_out() {
+  Answer answer = some_answer();
+  answer.work = {.motors = 1, .stops = -1, .joints = -1e-10};
+  answer.energy = {.begin_J = 1, .end_J = 1, .error_J = {2e-14, 0, Convergence::settled}};
+  CHECK_EQUAL(line_of(answer, "work"), "motors +1 J, stops -1 J");
+  CHECK(has(line_of(answer, "energy"), "error below 1e-09 J"));
+  answer.gap = {5e-10, 1, 1};
+  CHECK_EQUAL(line_of(answer, "joints"), "none is more than 1e-06 m apart");
+  answer.error_at[0].distance_m = {2e-14, 0, Convergence::settled};
+  CHECK(has(audit_text(answer), "below 1e-09") && !has(audit_text(answer), "± 0 "));
+  answer.bodies_made = 7;
+  CHECK(has(audit_text(answer), "; 7 bodies, 2 at a time, 1 joint; "));
+  answer.tried.push_back({.set = "cfm=0", .distance_m = {{1, 0, Convergence::settled}}, .is_own = true, .asked = true});
+  answer.error_at[0].distance_m = {0.1, 0, Convergence::settled};
+  CHECK(has(line_of(answer, "settings"), "cfm=0: changes nothing"));
+}
+
 /// All that there can be to say at once is 25 lines, and how many limits there are besides is said.
 void says_it_in_25_lines() {
   Answer answer = some_answer();
@@ -187,6 +270,10 @@ int main(int argc, char** argv) {
   if (report::gnuplot_version().starts_with("gnuplot ")) CHECK_EQUAL(page.missing.size(), 0U);
   leaves_out_what_there_is_none_of();
   says_no_more_than_is_known();
+  says_what_is_wrong();
+  tells_chaos_from_the_step();
+  holds_nothing_against_no_limit();
+  leaves_rounding_out();
   says_it_in_25_lines();
   tells_what_is_not_followed();
   return test::verdict();

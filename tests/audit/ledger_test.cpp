@@ -66,7 +66,7 @@ void friction_is_of_its_directions() {
 // what has been lifted is all of the work, by 0.1 m and what 1000 N/m give way. The hinges take 6e-4 J, measured.
 void motors_press_on_stops() {
   const audit::Answer answer = recorded("pressed", "4");
-  CHECK_NEAR(answer.work.motors + answer.work.joints, g * (0.1 + (15 - g) / 1000), 1e-9);
+  CHECK_NEAR(answer.work.motors + answer.work.stops + answer.work.joints, g * (0.1 + (15 - g) / 1000), 1e-9);
   CHECK_NEAR(answer.work.joints, 0.0, 2e-3);
   CHECK_NEAR(of_step(answer), 0.0, 1e-9);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -77,14 +77,18 @@ void motors_press_on_stops() {
 
 // At a low stop a motor of 5 N that would leave it pushes with what the fudge factor leaves of it, 1 N, and is not at
 // its limit; one that is to stand still presses on either stop. At rest all have gone as far as 1000 N/m give way. The
-// high stop gives as much to its spring as the motor gives to it, so that the sum there is none: of the wrong sign it
-// would be 0.05 J.
+// high stop takes as much as the motor gives, so that the sum there is none: of the wrong sign it would be 0.05 J.
 void motors_at_stops_push_as_odes_do() {
   const audit::Answer answer = recorded("at_stops", "4");
   const double low = -g * ((g - 1) + (g + 5)) / 1000;
-  CHECK_NEAR(answer.work.motors + answer.work.joints, low, 1e-9);
+  CHECK_NEAR(answer.work.motors + answer.work.stops + answer.work.joints, low, 1e-9);
   CHECK_NEAR(of_step(answer), 0.0, 1e-9);
   const auto joint = [&](std::size_t i) { return answer.joint_summaries.at(i); };
+  // Each motor's is its force times how far the stop gives way: what the stop takes again is told by itself.
+  const double motors[] = {-(g - 1) / 1000, 5 * (g + 5) / 1000, 5 * 5.0 / 1000};
+  for (std::size_t i = 0; i < 3; ++i) CHECK_NEAR(joint(i).motor_work_J, motors[i], 1e-9);
+  CHECK_NEAR(joint(2).stop_work_J, -motors[2], 1e-9);
+  CHECK_NEAR(answer.work.motors, motors[0] + motors[1] + motors[2], 1e-9);
   CHECK_EQUAL(joint(0).at_limit.value_or(1), 0U);
   for (std::size_t i = 0; i < 3; ++i) CHECK_EQUAL(joint(i).at_stop.value_or(0), 4000U);
   for (std::size_t i = 1; i < 3; ++i) CHECK_EQUAL(joint(i).at_limit.value_or(0), 4000U);
@@ -250,7 +254,7 @@ void motors_of_universals_turn_either_way() {
   for (std::size_t i = 0; i < 3; ++i) {
     const audit::JointSummary& joint = answer.joint_summaries.at(i);
     CHECK_EQUAL(joint.at_limit.value_or(0), 1000U);  // a step at most counts once
-    CHECK_NEAR(joint.motor_work_J, joint.work_J, 0.01 * std::fabs(joint.work_J) + 1e-4);
+    CHECK_NEAR(joint.motor_work_J + joint.stop_work_J, joint.work_J, 0.01 * std::fabs(joint.work_J) + 1e-4);
   }
   CHECK_NEAR(answer.joint_summaries[0].work_J, answer.joint_summaries[1].work_J, 1e-9);
   CHECK(answer.joint_summaries[0].work_J > 0.1);

@@ -42,6 +42,7 @@ bool first_thread() { return ::syscall(SYS_gettid) == ::getpid(); }
 
 /// Since the program's start, s.
 double reading() {
+  odeval_clock_asked = true;
   ::pthread_mutex_lock(&lock);
   if (first_thread()) now_s = std::max(odeval_simulated_s.load(), now_s + tick_s());
   const double now = now_s;
@@ -51,6 +52,7 @@ double reading() {
 
 /// As far as somebody sleeps: for so long, or until then.
 void go_on(double seconds, bool until) {
+  odeval_clock_asked = true;
   if (!first_thread()) return;
   ::pthread_mutex_lock(&lock);
   now_s = std::max(now_s, until ? seconds : now_s + seconds);
@@ -76,6 +78,7 @@ long origin(clockid_t clock) {
 extern "C" {
 
 std::atomic<double> odeval_simulated_s = 0;
+std::atomic<bool> odeval_clock_asked = false;
 
 int clock_gettime(clockid_t clock, timespec* time) noexcept {
   *time = as_timespec(reading(), origin(clock));

@@ -251,12 +251,15 @@ void Ledger::take(World& world, Joint& joint, dReal h) {
   double work = acting.work(h);
   std::uint32_t rows = rows_of(joint.type);
   double by_motors = joint.type == dJointTypeAMotor || joint.type == dJointTypeLMotor ? work : 0;
+  double by_stops = 0;
   bool at_limit = false;
   bool at_stop = false;
   for (const Drive& drive : joint.drives) {
     if (drive.most > 0) ++rows;
     const double force = acting.force_along(drive);
-    by_motors += h * (force + drive.push) * acting.rate_along(drive);
+    // At a stop the row is the stop's, and what the motor adds is beside it.
+    (drive.at_stop ? by_stops : by_motors) += h * force * acting.rate_along(drive);
+    by_motors += h * drive.push * acting.rate_along(drive);
     work += h * drive.push * acting.moving_rate_along(drive);  // of which ODE's feedback does not tell
     constexpr double rounding = 1e-6;                          // of sums of forces with lever arms
     const double of_motor = drive.at_stop ? drive.push : force;
@@ -266,7 +269,8 @@ void Ledger::take(World& world, Joint& joint, dReal h) {
   const auto [first, second] = acting.moving(world);
   rows_.add(first, second, rows);
   world.work.motors += by_motors;
-  world.work.joints += work - by_motors;
+  world.work.stops += by_stops;
+  world.work.joints += work - by_motors - by_stops;
   if (part == nullptr) return;
   std::ranges::copy(acting.numbers(), part->bodies);
   ++part->steps;
@@ -274,6 +278,7 @@ void Ledger::take(World& world, Joint& joint, dReal h) {
   if (at_stop) ++part->steps_at_stop;
   part->work += work;
   part->motor_work += by_motors;
+  part->stop_work += by_stops;
   part->force = std::max({part->force, length(acting.forces->f1), length(acting.forces->f2)});
   part->torque = std::max({part->torque, length(acting.forces->t1), length(acting.forces->t2)});
 }

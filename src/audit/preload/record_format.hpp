@@ -26,6 +26,7 @@ enum Remark : std::uint32_t {
   not_accurately = 1 << 8,    // the accurate step can not take it, and last_words says why: the program was ended there
   record_full = 1 << 9,       // as much as it may be: the record is of the program's beginning
   pool_of_threads = 1 << 10,  // takes the steps, of ODE's own
+  asked_the_clock = 1 << 11,  // the simulated one, or slept
   too_many_parts = 1 << 7,    // joints, pairs of bodies or geoms, so that some are not told of
 };
 
@@ -93,8 +94,9 @@ struct Account {
   std::uint32_t nothing;
   double depth;  // m, the largest of those contacts
   // Work since the start of the world, J:
-  double work_added;   // by forces and torques of the program
-  double work_motors;  // and stops
+  double work_added;  // by forces and torques of the program
+  double work_motors;
+  double work_stops;
   double work_joints;  // otherwise
   double work_contacts;
   double work_damping;
@@ -113,13 +115,14 @@ struct PartSample {
   double force;                  // N, on a body, of a contact the normal one
   double torque;                 // N m
   double work;                   // J, on both bodies
-  double motor_work;             // J, of it by motors and stops
+  double motor_work;             // J, of it by motors
+  double stop_work;              // J, of it by stops
   std::uint64_t steps_at_limit;  // of a motor
   std::uint64_t steps_at_stop;
   double friction_share;        // of what friction may be
   std::uint64_t steps_sliding;  // with all of it
   std::uint64_t steps_rough;    // with a limit to friction
-  std::uint64_t nothing[2];     // to be as long as a power of two
+  std::uint64_t nothing;        // to be as long as a power of two
 };
 static_assert(sizeof(PartSample) == 128);
 constexpr const char* parts_ending = ".parts";

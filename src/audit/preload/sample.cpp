@@ -121,6 +121,7 @@ Account account_of(World& world, const Sampler::Step& step) {
   account.depth = world.depth;
   account.work_added = world.work.added;
   account.work_motors = world.work.motors;
+  account.work_stops = world.work.stops;
   account.work_joints = world.work.joints;
   account.work_contacts = world.work.contacts;
   account.work_damping = world.work.damping;

@@ -279,6 +279,7 @@ int Session::step(dWorldID id, dReal h, Stepper stepper, bool quick, const void*
   collisions_.clear();
   worlds_.age();
   if (&odeval_simulated_s != nullptr) odeval_simulated_s = std::max(odeval_simulated_s.load(), world.t);
+  if (&odeval_clock_asked != nullptr && odeval_clock_asked) record_.remark(asked_the_clock);
   constexpr double rounding = 1e-9;  // of the sum of a million steps
   if (settings_.until_s > 0 && world.t >= settings_.until_s * (1 - rounding)) end(reached_until);
   return result;

@@ -92,6 +92,7 @@ struct World {
   struct {
     double added = 0;
     double motors = 0;
+    double stops = 0;
     double joints = 0;
     double contacts = 0;
     double damping = 0;
