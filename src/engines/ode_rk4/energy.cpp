@@ -161,15 +161,18 @@ std::vector<char> Flight::pay(const State& before, double work, State& state) co
 /// At the end of a step: what rests on each other, or `rested` when it began, has no more energy than then, but for
 /// what lifts bodies out of the overlaps that they started with. Errors of the order of the step are paid by the
 /// motion.
-void Flight::keep_energy(const State& start, const std::vector<Contact>& rested, double lift) {
+bool Flight::keep_energy(const State& start, const std::vector<Contact>& rested, double lift) {
+  bool paid = true;
   const bool rests = !resting_.empty() || !rested.empty();
   if (rests && gained(start, there_) > lift + rounding_of_energy(there_)) {
     const std::vector<Contact> rest = resting_;
     resting_.insert(resting_.end(), rested.begin(), rested.end());
-    pay(start, 0, there_);
+    const std::vector<char> poor = pay(start, 0, there_);
+    paid = std::ranges::find(poor, 1) == poor.end();
     resting_ = rest;
   }
   taken_ = std::clamp(taken_, 0.0, lift);
+  return paid;
 }
 
 /// Energy that comes from nowhere from one state to another, J: of motion, less the work of forces.

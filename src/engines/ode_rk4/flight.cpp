@@ -55,7 +55,15 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
     if (fresh) begin();
     const double lift = taken_;
     fly(h);
-    if (collider_.works(motion_.mechanism()) && conservative()) keep_energy(state, before.resting, lift);
+    const bool keeps = collider_.works(motion_.mechanism()) && conservative();
+    if (keeps && !keep_energy(state, before.resting, lift) && !fresh && crowded == 0 && touches_.empty()) {
+      // What rested pushed bodies up that have not the motion to pay for that: they fall freely instead.
+      go_back(before);
+      here_ = state;
+      crowd_on();
+      fly(h);
+      keep_energy(state, before.resting, lift);
+    }
     if (collider_.works(motion_.mechanism()) && !finite(there_))
       refuse("the motion left the finite numbers; take a smaller step");
   } catch (...) {

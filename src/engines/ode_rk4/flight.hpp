@@ -127,7 +127,7 @@ class Flight {
                       State& state);
   State unforced(Motion& motion, const State& state, double h);
   bool conservative() const;
-  void keep_energy(const State& start, const std::vector<Contact>& rested, double lift);
+  bool keep_energy(const State& start, const std::vector<Contact>& rested, double lift);
   double rounding_of_energy(const State& state) const;
   double gained(const State& from, const State& to) const;
   double gained(const State& from, const State& to, std::span<const Twist> by) const;
