@@ -620,7 +620,9 @@ bool Flight::hold(State& state, double h) {
       by = follow(free, state, h);
     }
     const auto way = impact.way_out(rest_depth, by, follows ? impulses : push > 0 ? put_too_deep(rest) : none);
-    const bool moved = move_out(motion, free, way, taken_ + work - done, state);
+    // What only that would cost energy is paid at the end of the step: else it would be gone in many small parts.
+    const double most = conservative() && !first_ ? HUGE_VAL : taken_ + work - done;
+    const bool moved = move_out(motion, free, way, most, state);
     taken_ -= gained(free, state) + done - work;
     // Nothing comes deeper by that than what rests, nor out of reach.
     if (push == 0 && moved && lies_well(way)) break;
