@@ -301,11 +301,11 @@ std::string lead(const Answer& answer) {
     text += fmt::format(" From {} s on {} is no finite number.", number(answer.diverged->t_s),
                         body_name(answer, answer.diverged->body));
   }
-  if (answer.lost_at_s) {
-    text += fmt::format(" From {} s on it is another motion.", number(*answer.lost_at_s));
-  } else if (answer.error_at.back().convergence() == audit::Convergence::none) {
-    text += fmt::format(" After that {}.", no_limit_text(answer));
-  }
+  const bool loses_its_limit = std::ranges::any_of(answer.error_at, [&](const audit::ErrorUntil& its) {
+    return its.convergence() == audit::Convergence::none && its.t_s <= answer.lost_at_s.value_or(HUGE_VAL);
+  });
+  if (loses_its_limit) text += fmt::format(" After that {}.", no_limit_text(answer));
+  if (answer.lost_at_s) text += fmt::format(" From {} s on it is another motion.", number(*answer.lost_at_s));
   return text;
 }
 

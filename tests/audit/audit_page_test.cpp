@@ -176,9 +176,11 @@ void says_what_is_wrong() {
   second.turn_rad.convergence = Convergence::settled;
   second.distance_m.convergence = Convergence::none;
   CHECK(has(line_of(answer, "verdict"), "do not bring the places together"));
+  CHECK(has(page_of(answer).html, "of 0. After that steps down to h/4 do not bring the runs together.</p>"));
   answer.chaos_from_s = 1.8;
   CHECK(!has(line_of(answer, "verdict"), "--refine"));
-  answer.lost_at_s = 1.9;
+  answer.lost_at_s = 2.1;
+  CHECK(has(page_of(answer).html, "bring the runs together. From 2.1 s on it is another motion.</p>"));
   CHECK(!has(line_of(answer, "verdict"), "too coarse"));
 }
 

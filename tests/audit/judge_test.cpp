@@ -179,6 +179,15 @@ void without_a_limit_nothing_has_one() {
   for (const BodyError& row : answer.error_of_body) CHECK(row.distance_m.convergence == Convergence::none);
   CHECK(answer.tried.front().distance_m.back().convergence == Convergence::none);
   CHECK_EQUAL(answer.limit_degree, 0U);
+  // Where a turn has none, a setting is not held against the place alone, as the program's own is not.
+  const Answer turns = judged(
+      [](double t, double h, double) {
+        return std::vector{Seen{1, t + h * t, std::sin(1e3 / h)}};
+      },
+      0.01, 3);
+  CHECK(turns.error_at.front().distance_m.convergence != Convergence::none);
+  CHECK(turns.error_at.front().convergence() == Convergence::none);
+  CHECK(turns.tried.front().distance_m.front().convergence == Convergence::none);
 }
 
 // Balls that are thrown one after the other: each is farthest off at 0.38 s of its own, the later ones by rounding
