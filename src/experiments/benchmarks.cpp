@@ -108,14 +108,15 @@ double overlap(std::span<const BodyState> bodies) {
   return sum;
 }
 
-/// Mean over time of that, and CPU time, s.
-std::pair<double, double> piled(const Scenario& scenario, const catalogue::Method& method) {
+/// Mean over time of that, none where the motion is lost, and CPU time, s.
+std::pair<std::optional<double>, double> piled(const Scenario& scenario, const catalogue::Method& method) {
   const SampleGrid grid = sample_grid(scenario);
   const auto simulation = method.make(scenario, grid);
   Motion motion(simulation->shape(), static_cast<std::size_t>(grid.rows));
   const double start = catalogue::cpu_seconds();
-  simulation->run(Recorder(motion));
+  const bool lost = simulation->run(Recorder(motion)).diverged;
   const double seconds = catalogue::cpu_seconds() - start;
+  if (lost) return {none, seconds};
   double sum = 0;
   const Motion& done = motion;
   for (std::size_t k = 0; k < done.size(); ++k) sum += overlap(done[k].bodies);
@@ -215,9 +216,9 @@ Content benchmarks(Laboratory& laboratory, Findings&) {
     // The fourth-order step resolves every impact of the pile, and MuJoCo's solver takes minutes.
     const bool tried =
         method != nullptr && (name.starts_with("ode-step") || name.starts_with("ode-q") || name.starts_with("bullet"));
-    const auto [mean, seconds] = tried ? piled(crowd, *method) : std::pair{0.0, 0.0};
+    const auto [mean, seconds] = tried ? piled(crowd, *method) : std::pair{std::optional(0.0), 0.0};
     const Missing too_long{"not in this build, or too long for a report"};
-    stack.rows.push_back({name, cell_of(row.pile, unpublished), tried ? Cell(mean) : Cell(too_long),
+    stack.rows.push_back({name, cell_of(row.pile, unpublished), tried ? finite_cell(mean) : Cell(too_long),
                           tried ? Cell(seconds) : Cell(too_long)});
     direction.rows.push_back({name, cell_of(row.along, unpublished), rolled(row.method, 90),
                               cell_of(row.diagonal, unpublished), rolled(row.method, 60)});

@@ -124,7 +124,8 @@ std::string name_of(const Way& way) {
 }
 
 std::string sentence_of(const Advice& advice) {
-  const std::string gain = fmt::format("{} times less CPU time", shown(advice.factor));
+  const std::string gain =
+      fmt::format("{}{} times less CPU time", advice.at_least ? "at least " : "", shown(advice.factor));
   switch (advice.move) {
     case Move::stay:
       return "stay";
@@ -159,8 +160,8 @@ void add_rows(const Task& task, const Stage& stage, const Result& result, report
     if (!way.shown_at_step()) continue;
     const report::Missing own{"it chooses its own steps"};
     at_step.rows.push_back({std::string(task.text), std::string(stage.label), name_of(way), unit,
-                            number(tried.error_at_ms), number(tried.drift_J), tried.us_per_step,
-                            adaptive ? report::Cell(own) : report::Cell(1e3 * tried.equal_cpu_s),
+                            number(tried.error_at_ms), number(tried.drift_J), number(tried.us_per_step),
+                            adaptive ? report::Cell(own) : number(1e3 * tried.equal_cpu_s),
                             adaptive ? report::Cell(own) : number(tried.error_at_cpu)});
   }
 }

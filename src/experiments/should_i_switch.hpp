@@ -54,7 +54,7 @@ struct Tried {
   bool keeps = false;       // else the setting is the finest
   double us_per_s = 0;      // CPU time of a simulated second
   double error_at_ms = 0;   // at a step of 1 ms; of a way with rtol at the engine's own
-  double us_per_step = 0;   // there
+  double us_per_step = 0;   // there; not a number where the motion is lost
   double equal_cpu_s = 0;   // the step that costs what ODE as it is costs at 1 ms
   double error_at_cpu = 0;  // there
   double drift_J = 0;       // of energy, at 1 ms
@@ -75,6 +75,7 @@ struct Advice {
   double factor = 1;     // geometric mean over the stages
   double least = 1;      // over the stages
   double most = 1;
+  bool at_least = false;  // ODE as it is keeps some budget at no step: of its CPU time only a lower bound is known
 };
 /// Of less than this factor nobody has to change anything.
 inline constexpr double worth = 1.5;

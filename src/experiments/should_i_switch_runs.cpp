@@ -23,8 +23,9 @@ constexpr double firm_erp = 0.8;
 constexpr double soft_cfm = 1e-5;
 constexpr int many_iterations = 100;
 constexpr std::array steps_s{0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002};
-/// Of an error this many times the budget at 1 ms no smaller step of the ladder makes one within it.
-constexpr double hopeless = 50;
+/// An error this many times the budget, and more by the order where smaller steps are left, no step of the ladder makes
+/// one within it.
+constexpr double hopeless = 10;
 constexpr std::array rtols{1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8};
 constexpr int rounds = 3;
 
@@ -125,7 +126,8 @@ class Bench {
       tried.keeps = kept_before;
       tried.setting = setting;
       tried.error = error;
-      const bool last = way.method->order > 0 && setting <= equal_step_s && error > hopeless * stage_.budget;
+      const double left = std::pow(setting / steps_s.back(), way.method->order);
+      const bool last = way.method->order > 0 && setting <= equal_step_s && error > hopeless * left * stage_.budget;
       if (last && way.move != Move::stay) return;
     }
   }
@@ -136,7 +138,8 @@ class Bench {
   std::shared_ptr<const Reference> reference_;
 };
 
-/// CPU time of a simulated second, µs, of each way at a setting of its own, in turns; 0 where that is 0.
+/// CPU time of a simulated second, µs, of each way at a setting of its own, in turns; 0 where that is 0, and not a
+/// number where the motion is lost before its end.
 std::vector<double> timed(const Bench& bench, const std::vector<Way>& ways, const std::vector<double>& settings) {
   std::vector<catalogue::Evaluator> evaluators;
   evaluators.reserve(ways.size());
@@ -150,7 +153,12 @@ std::vector<double> timed(const Bench& bench, const std::vector<Way>& ways, cons
   std::vector<double> us_per_s;
   auto run = runs.begin();
   for (const double setting : settings) {
-    us_per_s.push_back(setting == 0 ? 0 : 1e6 * (run++)->median_s() / bench.scenario().duration_s);
+    if (setting == 0) {
+      us_per_s.push_back(0);
+      continue;
+    }
+    us_per_s.push_back(run->diverged.empty() ? 1e6 * run->median_s() / bench.scenario().duration_s : NAN);
+    ++run;
   }
   return us_per_s;
 }
@@ -210,6 +218,10 @@ Result result_of(const Stage& stage, Laboratory& laboratory) {
     tried.us_per_s = at_error[i];
     tried.us_per_step = at_step[i] * equal_step_s;
     if (at_step[i] == 0 || result.ways[i].method->order == 0) continue;
+    if (!std::isfinite(at_step[0] / at_step[i])) {
+      tried.equal_cpu_s = tried.error_at_cpu = NAN;
+      continue;
+    }
     // As many steps a row as the time of ODE's allows.
     const double rows = std::floor(rows_s / equal_step_s * at_step[0] / at_step[i]);
     tried.equal_cpu_s = rows_s / std::max(1.0, rows);
@@ -234,7 +246,8 @@ std::optional<Advice> advice_of(std::span<const Result> results) {
       const double factor = way.move == Move::stay ? 1 : plain / result.tried[i].us_per_s;
       Sum& sum = sums[{std::string(way.method->name), way.settings}];
       Advice& advice = sum.advice;
-      if (sum.stages++ == 0) advice = {way.move, std::string(way.method->name), way.settings, 1, factor, factor};
+      if (sum.stages++ == 0) advice = {way.move, std::string(way.method->name), way.settings, 1, factor, factor, false};
+      advice.at_least |= !result.tried.front().keeps;
       advice.least = std::min(advice.least, factor);
       advice.most = std::max(advice.most, factor);
       sum.log += std::log(factor);

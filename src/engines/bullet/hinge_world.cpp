@@ -52,7 +52,11 @@ struct MakeConstraint {
     auto made =
         std::make_unique<btHingeConstraint>(first, second, in_body(first, frame), in_body(second, frame), false);
     if (motor) made->enableAngularMotor(true, btScalar(motor->speed), btScalar(motor->most) * step_s);  // an impulse
-    if (stop) made->setLimit(btScalar(stop->low), btScalar(stop->high), 1, 1, 0);
+    if (stop) {
+      made->setLimit(btScalar(stop->low), btScalar(stop->high), 1, 1, 0);
+      // Else, on the world, Bullet holds the centre of mass still as long as the hinge is beyond its stop.
+      made->setUseFrameOffset(false);
+    }
     return made;
   }
   // Not one of six motions, as the next two are: beside a body that turns, the two halves of that one's force do not
@@ -272,7 +276,11 @@ Told HingeWorld::told() const {
   Told told = common(const_cast<btDiscreteDynamicsWorld&>(world_).getSolverInfo());
   told.insert(told.end(), {{"linear_damping", double(body.getLinearDamping())},
                            {"angular_damping", double(body.getAngularDamping())},
-                           {"gyroscopic", std::string("implicit, in the body's frame")}});
+                           {"gyroscopic", std::string(body.getFlags() == BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY
+                                                          ? "implicit, in the body's frame"
+                                                          : "otherwise")},
+                           {"sleeping", std::string(body.getActivationState() == DISABLE_DEACTIVATION ? "off" : "on")},
+                           {"contact_processing_threshold", double(body.getContactProcessingThreshold())}});
   return told;
 }
 

@@ -75,7 +75,7 @@ btMultiBody* MultibodyWorld::add(int links, const Principal* base, double mass_k
   if (base != nullptr) {
     tree->setBaseWorldTransform(btTransform(base->start, base->centre));
   }
-  tree->setHasSelfCollision(false);
+  tree->setHasSelfCollision(true);  // all that hangs on the world is one tree, and Meeting says who meets whom
   tree->setLinearDamping(0);
   tree->setAngularDamping(0);
   tree->setMaxAppliedImpulse(without_limit);
@@ -240,7 +240,11 @@ Told MultibodyWorld::told() const {
                            {"gyro_term", yes(tree.getUseGyroTerm())},
                            {"rk4_integration", yes(tree.isUsingRK4Integration())},
                            {"global_velocities", yes(tree.isUsingGlobalVelocities())},
+                           {"sleeping", yes(tree.getCanSleep())},
                            {"self_collision", yes(tree.hasSelfCollision())}});
+  if (!colliders_.empty()) {
+    told.push_back({"contact_processing_threshold", double(colliders_.front()->getContactProcessingThreshold())});
+  }
   return told;
 }
 

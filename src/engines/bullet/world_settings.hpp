@@ -29,6 +29,7 @@ inline void set(btContactSolverInfo& solver, const BulletSettings& settings) {
   solver.m_sor = 1;
   solver.m_warmstartingFactor = btScalar(0.85);
   solver.m_leastSquaresResidualThreshold = 0;
+  solver.m_numNonContactInnerIterations = 1;
   solver.m_jointFeedbackInWorldSpace = false;
   solver.m_jointFeedbackInJointFrame = false;
   solver.m_solverMode = SOLVER_USE_WARMSTARTING | SOLVER_SIMD | SOLVER_USE_2_FRICTION_DIRECTIONS;
@@ -60,7 +61,7 @@ inline Told common(const btContactSolverInfo& solver) {
       {"linear_slop", double(solver.m_linearSlop)},
       {"articulated_warm_starting", double(solver.m_articulatedWarmstartingFactor)},
       {"contact_breaking_threshold", double(gContactBreakingThreshold)},
-      {"contact_processing_threshold", 0.0}};
+      {"inner_iterations", std::int64_t{solver.m_numNonContactInnerIterations}}};
 }
 
 }  // namespace odeval::engine_bullet

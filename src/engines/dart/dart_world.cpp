@@ -80,6 +80,9 @@ dd::BodyNode* hang_on(dd::SkeletonPtr& skeleton, const Hanging& hanging, dd::Bod
 /// Half spaces are boxes: DART's own collisions, the exact ones for boxes and balls, know no plane.
 constexpr double wide_m = 1000;
 
+/// DART's own number, beyond which it drops contacts without a word.
+constexpr std::size_t most_contacts = 1000;
+
 /// Who meets whom, by the numbers of touching things.
 class Pairs final : public dart::collision::CollisionFilter {
  public:
@@ -202,6 +205,7 @@ void DartWorld::meet(const Mechanism& mechanism) {
   dc::ContactConstraint::setConstraintForceMixing(1e-5);
   dc::ConstraintSolver& solver = *world_->getConstraintSolver();
   solver.setCollisionDetector(dart::collision::DARTCollisionDetector::create());
+  solver.getCollisionOption().maxNumContacts = most_contacts;
   solver.getCollisionOption().collisionFilter = std::make_shared<Pairs>(touching_, std::move(numbers));
   world_->addSkeleton(standing);
 }
@@ -299,6 +303,9 @@ long DartWorld::step(double from, double) {
     sum += degree->getVelocity() * degree->getVelocity();
   }
   engine_tree::require_finite(sum);
+  if (world_->getLastCollisionResult().getNumContacts() >= most_contacts) {
+    throw engine_tree::Lost("DART has no room for all contacts");
+  }
   return 1;
 }
 
@@ -321,17 +328,19 @@ const std::vector<Placed>& DartWorld::bodies() {
 Told DartWorld::told() const {
   const auto yes = [](bool is) { return std::string(is ? "on" : "off"); };
   auto& lcp = dynamic_cast<dart::constraint::BoxedLcpConstraintSolver&>(*world_->getConstraintSolver());
-  return {{"version", std::string(DART_VERSION)},
-          {"self_collision", yes(skeleton_->isEnabledSelfCollisionCheck())},
-          {"mobile", yes(skeleton_->isMobile())},
-          {"actuators", std::string(motors_.empty() ? "FORCE" : "FORCE and SERVO")},
-          {"lcp_solver", lcp.getBoxedLcpSolver()->getType()},
-          {"lcp_solver_where_that_fails", lcp.getSecondaryBoxedLcpSolver()->getType()},
-          {"contact_erp", dart::constraint::ContactConstraint::getErrorReductionParameter()},
-          {"contact_cfm", dart::constraint::ContactConstraint::getConstraintForceMixing()},
-          {"contact_error_allowance", dart::constraint::ContactConstraint::getErrorAllowance()},
-          {"contact_max_correcting_velocity", dart::constraint::ContactConstraint::getMaxErrorReductionVelocity()},
-          {"collision_detector", world_->getConstraintSolver()->getCollisionDetector()->getType()}};
+  return {
+      {"version", std::string(DART_VERSION)},
+      {"self_collision", yes(skeleton_->isEnabledSelfCollisionCheck())},
+      {"mobile", yes(skeleton_->isMobile())},
+      {"actuators", std::string(motors_.empty() ? "FORCE" : "FORCE and SERVO")},
+      {"lcp_solver", lcp.getBoxedLcpSolver()->getType()},
+      {"lcp_solver_where_that_fails", lcp.getSecondaryBoxedLcpSolver()->getType()},
+      {"contact_erp", dart::constraint::ContactConstraint::getErrorReductionParameter()},
+      {"contact_cfm", dart::constraint::ContactConstraint::getConstraintForceMixing()},
+      {"contact_error_allowance", dart::constraint::ContactConstraint::getErrorAllowance()},
+      {"contact_max_correcting_velocity", dart::constraint::ContactConstraint::getMaxErrorReductionVelocity()},
+      {"max_contacts", static_cast<std::int64_t>(world_->getConstraintSolver()->getCollisionOption().maxNumContacts)},
+      {"collision_detector", world_->getConstraintSolver()->getCollisionDetector()->getType()}};
 }
 
 }  // namespace odeval::engine_dart

@@ -62,17 +62,16 @@ void set(mjOption& options, const Scenario& scenario, double step_s, int integra
 
 }  // namespace
 
-MujocoWorld::MujocoWorld(const Scenario& scenario, double step_s, const Integrator& integrator)
+MujocoWorld::MujocoWorld(const Scenario& scenario, double step_s, int integrator)
     : mechanism_(scenario.mechanism),
       tree_(engine_tree::hang(mechanism_, &closing_)),
       // MuJoCo itself takes no less (refsafe) where softness is told by a time constant and not, as here, by numbers.
       time_constant_s_(std::fmax(scenario.mujoco.time_constant_s, 2 * step_s)),
-      integrator_(integrator.word),
       bodies_(mechanism_.bodies.size()) {
   mju_user_error = &fail;
   mju_user_warning = &ignore;
   model_.reset(compiled(model_text(mechanism_, tree_, closing_, time_constant_s_)));
-  set(model_->opt, scenario, step_s, integrator.number);
+  set(model_->opt, scenario, step_s, integrator);
   data_.reset(mj_makeData(model_.get()));
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     number_.push_back(mj_name2id(model_.get(), mjOBJ_BODY, name_of(i).c_str()));
@@ -211,7 +210,7 @@ Told MujocoWorld::told() const {
   const mjOption& options = model_->opt;
   const auto of_names = [](int number, auto... names) { return std::string(std::array{names...}.at(number)); };
   return {{"version", std::string(mj_versionString())},
-          {"integrator", std::string(integrator_)},
+          {"integrator", of_names(options.integrator, "Euler", "RK4", "implicit")},
           {"solver", of_names(options.solver, "PGS", "CG", "Newton")},
           {"iterations", std::int64_t{options.iterations}},
           {"tolerance", options.tolerance},

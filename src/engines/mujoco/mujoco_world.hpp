@@ -13,16 +13,10 @@
 
 namespace odeval::engine_mujoco {
 
-/// The words of a method and of <option integrator>, and MuJoCo's number for them.
-struct Integrator {
-  const char* method;
-  const char* word;
-  int number;
-};
-
 class MujocoWorld final : public engine_tree::World {
  public:
-  MujocoWorld(const Scenario& scenario, double step_s, const Integrator& integrator);
+  /// `integrator` is one of mjtIntegrator.
+  MujocoWorld(const Scenario& scenario, double step_s, int integrator);
   ~MujocoWorld() override;
   MujocoWorld(const MujocoWorld&) = delete;
   MujocoWorld& operator=(const MujocoWorld&) = delete;
@@ -56,7 +50,6 @@ class MujocoWorld final : public engine_tree::World {
   std::vector<std::size_t> closing_;  // joints that close loops
   std::vector<engine_tree::Hanging> tree_;
   double time_constant_s_;  // of constraints
-  const char* integrator_;
   std::unique_ptr<mjModel, Free> model_;
   std::unique_ptr<mjData, Free> data_;
   std::vector<int> number_;  // MuJoCo's of each body
