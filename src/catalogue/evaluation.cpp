@@ -6,6 +6,7 @@
 
 #include "catalogue/confirmation.hpp"
 #include "catalogue/self_converged.hpp"
+#include "catalogue/timing.hpp"
 #include "measure/body_trace.hpp"
 #include "measure/cartesian_trace.hpp"
 #include "measure/conditioning.hpp"
@@ -132,6 +133,20 @@ Evaluation Evaluator::evaluate(const Method& method, const OdeSettings& ode) {
 
 Metrics Evaluator::measure(const Evaluation& evaluation, double until_s) {
   return odeval::measure(evaluation.trace, &reference(), until_s, &evaluation.outcome.impacts);
+}
+
+double Evaluator::stepping_s(const Evaluation& evaluation, double (*clock)()) const {
+  const Method& method = *evaluation.method;
+  if (method.order > 0 && !method.tells) return evaluation.cpu_s;
+  const std::unique_ptr<Simulation> simulation = make(method);
+  const double start = clock();
+  simulation->run(Recorder());
+  const double once = clock() - start;
+  constexpr double unseen_s = 5e-4;  // cold caches and the clock would show in less
+  if (once > unseen_s) return once;
+  TimedRun timed{this, &method, 0, 0, {}};
+  time_in_turns(std::span(&timed, 1), 1, {}, clock);
+  return timed.median_s();
 }
 
 }  // namespace odeval::catalogue

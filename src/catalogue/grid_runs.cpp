@@ -126,7 +126,7 @@ sweep::Row GridRuns::run(long run, long group, std::string_view prepared) {
   if (const std::string_view mark = mark_of(*reference_); !mark.empty()) {
     reason = std::string(mark) + (reason.empty() ? "" : "; ") + reason;
   }
-  return {status, reason, std::lround(1e6 * evaluation.cpu_s), result_cells(outcome, metrics)};
+  return {status, reason, std::lround(1e6 * evaluator.stepping_s(evaluation)), result_cells(outcome, metrics)};
 }
 
 }  // namespace odeval::catalogue

@@ -9,6 +9,7 @@
 #include "engines/tree/make.hpp"
 #include "model/nearest.hpp"
 #include "odeval/error.hpp"
+#include "output/number.hpp"
 #include "reference/closed_form/analytic.hpp"
 #include "reference/dh/dh_ode45.hpp"
 #include "reference/maximal/fixed_step.hpp"
@@ -174,13 +175,13 @@ std::vector<Method> engines_beside_ode() {
   const std::string_view joint_coordinates = "joint coordinates";
   const std::string_view constraints = "Bullet bodies and constraints";
   const std::string_view no_mujoco =
-      "this build has no MuJoCo (libmujoco-dev); scripts/install-deps --engines installs it, then configure again";
+      "this build has no MuJoCo (libmujoco-dev); scripts/install-deps installs it, then configure again";
   const std::string_view no_bullet =
-      "this build has no Bullet (libbullet-dev); scripts/install-deps --engines installs it, then configure again";
+      "this build has no Bullet (libbullet-dev); scripts/install-deps installs it, then configure again";
   const std::string_view no_dart =
       "this build has no DART (libdart-dev); scripts/install-deps --engines installs it, then configure again";
   const std::string_view no_simbody =
-      "this build has no Simbody (libsimbody-dev); scripts/install-deps --engines installs it, then configure again";
+      "this build has no Simbody (libsimbody-dev); scripts/install-deps installs it, then configure again";
   const std::span<const EngineSetting> none;
   const auto inverts = SystemMatrix::mass_matrix;
   const Features mujoco = touching_trees | bouncing_stops | Features{Feature::loops};
@@ -292,15 +293,42 @@ const Method& find_method(std::string_view name) {
 
 bool does(const Method& method, const Scenario& scenario) { return (features_of(scenario) - method.can).empty(); }
 
-void require_does(const Method& method, const Scenario& scenario, const std::string& origin) {
-  const Features missing = features_of(scenario) - method.can;
-  if (missing.empty()) return;
+namespace {
+
+/// What MuJoCo would take for two steps without a word; its own time constant it does take so, as METHOD.json shows.
+void require_slow_enough(const Method& method, const Scenario& scenario) {
+  const double asked_s = scenario.mujoco.time_constant_s;
+  const double least_s = 2 * scenario.step_s;
+  if (asked_s >= least_s || asked_s == MujocoSettings{}.time_constant_s) return;
+  if (!reads(method, "mujoco.time_constant", scenario)) return;
+  throw UserError(scenario.file + ": mujoco.time_constant: is " + number_text(asked_s) +
+                  " s; must be at least two steps, " + number_text(least_s) + " s, for " + std::string(method.name));
+}
+
+}  // namespace
+
+void require_does(std::span<const Method* const> methods, const Scenario& scenario, const std::string& origin) {
+  std::string lacks;
+  for (const Method* const method : methods) {
+    require_slow_enough(*method, scenario);
+    const Features missing = features_of(scenario) - method->can;
+    if (missing.empty()) continue;
+    const std::string name = "'" + std::string(method->name) + "'";
+    lacks += lacks.empty()
+                 ? "method " + name + " can not do scenario '" + scenario.name + "', which has " + listed(missing)
+                 : ", nor can " + name + " (" + listed(missing) + ")";
+  }
+  if (lacks.empty()) return;
   std::string others;
-  for (const Method& other : methods()) {
+  for (const Method& other : catalogue::methods()) {
     if (does(other, scenario)) others += (others.empty() ? "" : ", ") + std::string(other.name);
   }
-  throw UserError(origin + ": method '" + std::string(method.name) + "' can not do scenario '" + scenario.name +
-                  "', which has " + listed(missing) + "; these can: " + others);
+  throw UserError(origin + ": " + lacks + "; these can: " + others);
+}
+
+void require_does(const Method& method, const Scenario& scenario, const std::string& origin) {
+  const Method* const one = &method;
+  require_does(std::span(&one, 1), scenario, origin);
 }
 
 }  // namespace odeval::catalogue

@@ -44,7 +44,9 @@ const Method& find_method(std::string_view name);
 /// Whether the method can do all that the scenario asks.
 bool does(const Method& method, const Scenario& scenario);
 
-/// Throws UserError with what the method lacks, and which methods have it. `origin` is where the method was named.
+/// Throws UserError with what each of the methods lacks, and which methods have it, or for a setting that one of them
+/// would not take as it is. `origin` is where the methods were named.
+void require_does(std::span<const Method* const> methods, const Scenario& scenario, const std::string& origin);
 void require_does(const Method& method, const Scenario& scenario, const std::string& origin);
 
 /// Why methods of single precision have no `make`.

@@ -112,7 +112,10 @@ std::vector<EqualErrorRow> at_equal_error(const Plan& plan, const BenchOptions& 
                                           Progress& progress) {
   const Scenario& scenario = plan.evaluator.scenario();
   if (!scenario.planar) {
-    throw UserError("--equal-error: is of angles, and '" + scenario.name + "' has none");
+    throw UserError(
+        "--equal-error: must be left out for '" + scenario.name +
+        "', since it is of angles of links in a plane; 'odeval recommend --max-error E --until T' keeps errors "
+        "of bodies");
   }
   const catalogue::Accuracy accuracy(scenario, until_s);
   if (accuracy.uncertainty() > options.equal_error) {

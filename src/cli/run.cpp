@@ -101,7 +101,7 @@ int run(const Options& options) {
       progress.next(scenario.name + " " + std::string(method->name));
       const catalogue::Evaluation run = evaluator.evaluate(*method);
       summaries.push_back(folder.write(run, evaluator));
-      ns_per_step.push_back(1e9 * run.cpu_s / static_cast<double>(std::max(run.outcome.steps, 1L)));
+      ns_per_step.push_back(1e9 * evaluator.stepping_s(run) / static_cast<double>(std::max(run.outcome.steps, 1L)));
       diverged = diverged || run.outcome.diverged;
     }
     folder.write_summaries(summaries);

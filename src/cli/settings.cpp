@@ -175,15 +175,16 @@ std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::stri
   for (const std::string& word : asked) {
     const std::string name(trimmed(word));
     const catalogue::Method& method = catalogue::find_method(name);
-    catalogue::require_does(method, scenario, "--method");
     if (std::ranges::find(chosen, &method) == chosen.end()) chosen.push_back(&method);
   }
+  catalogue::require_does(chosen, scenario, "--method");
   if (!asked.empty()) return chosen;
 
+  std::vector<const catalogue::Method*> named;
   std::map<std::string_view, std::string> missing;  // by why
   for (const catalogue::Method& method : catalogue::methods()) {
     if (std::ranges::find(scenario.methods, method.name) == scenario.methods.end()) continue;
-    catalogue::require_does(method, scenario, scenario.file + ": methods");
+    named.push_back(&method);
     if (method.make != nullptr) {
       chosen.push_back(&method);
     } else {
@@ -191,6 +192,7 @@ std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::stri
       names += (names.empty() ? "" : ", ") + std::string(method.name);
     }
   }
+  catalogue::require_does(named, scenario, scenario.file + ": methods");
   for (const auto& [why, names] : missing) {
     std::cerr << "odeval: " << scenario.name << ": left out: " << names << "; " << why << '\n';
   }

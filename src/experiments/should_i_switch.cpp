@@ -2,7 +2,9 @@
 #include "experiments/should_i_switch.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -117,6 +119,17 @@ std::span<const Task> tasks() {
   return all;
 }
 
+std::string gain_of(const Advice& advice) {
+  const std::string gain = fmt::format("{} times less CPU time", shown(advice.factor));
+  if (advice.bounds == 0) return gain;
+  return fmt::format("at least {} (ODE as it is keeps the error at no step on {} of {} motions)", gain, advice.bounds,
+                     advice.stages);
+}
+
+std::string spread_of(const Advice& advice) {
+  return fmt::format("{} to {}{}", shown(advice.least), advice.most_is_bound ? "at least " : "", shown(advice.most));
+}
+
 namespace {
 
 std::string name_of(const Way& way) {
@@ -124,8 +137,7 @@ std::string name_of(const Way& way) {
 }
 
 std::string sentence_of(const Advice& advice) {
-  const std::string gain =
-      fmt::format("{}{} times less CPU time", advice.at_least ? "at least " : "", shown(advice.factor));
+  const std::string gain = gain_of(advice);
   switch (advice.move) {
     case Move::stay:
       return "stay";
@@ -140,7 +152,30 @@ std::string sentence_of(const Advice& advice) {
   return {};
 }
 
-report::Cell number(double value) { return finite_cell(std::isfinite(value) ? std::optional(value) : std::nullopt); }
+report::Cell cell_of(const Found& found) {
+  if (std::isfinite(found.error)) return found.error;
+  return report::Missing{found.why_none};
+}
+
+/// The errors of a task, and how many motions have to keep them: "0.02 m, 0.01 rad on 3 motions".
+std::string asked(const Task& task) {
+  std::vector<std::string> errors;
+  for (const Stage& stage : task.stages) {
+    std::string error = fmt::format("{} {}", shown(stage.budget), quantities[stage.quantity].unit);
+    if (std::ranges::find(errors, error) == errors.end()) errors.push_back(std::move(error));
+  }
+  return fmt::format("{} on {} motions", fmt::join(errors, ", "), task.stages.size());
+}
+
+/// The best that leaving does: "mujoco-rk4: 49.6 (42.6 to 60.5)".
+report::Cell best_engine(std::span<const Result> results) {
+  const std::map<Move, Advice> best = best_of(results);
+  const auto found = best.find(Move::leave);
+  if (found == best.end()) return report::Missing{"none of this build keeps the error on every motion"};
+  const Advice& advice = found->second;
+  return fmt::format("{}{}: {}{} ({})", advice.method, advice.settings.empty() ? "" : ", " + advice.settings,
+                     advice.bounds > 0 ? "at least " : "", shown(advice.factor), spread_of(advice));
+}
 
 void add_rows(const Task& task, const Stage& stage, const Result& result, report::Table& at_error,
               report::Table& at_step) {
@@ -155,14 +190,14 @@ void add_rows(const Task& task, const Stage& stage, const Result& result, report
                              fmt::format("{} {}", shown(stage.budget), unit),
                              kept(adaptive ? fmt::format("rtol {}", shown(tried.setting))
                                            : fmt::format("{} ms", shown(1e3 * tried.setting))),
-                             number(tried.error), kept(tried.us_per_s),
-                             kept(result.tried.front().us_per_s / tried.us_per_s)});
+                             cell_of(tried.error), kept(tried.us_per_s), kept(factor_of(result, i))});
     if (!way.shown_at_step()) continue;
     const report::Missing own{"it chooses its own steps"};
-    at_step.rows.push_back({std::string(task.text), std::string(stage.label), name_of(way), unit,
-                            number(tried.error_at_ms), number(tried.drift_J), number(tried.us_per_step),
-                            adaptive ? report::Cell(own) : number(1e3 * tried.equal_cpu_s),
-                            adaptive ? report::Cell(own) : number(tried.error_at_cpu)});
+    at_step.rows.push_back(
+        {std::string(task.text), std::string(stage.label), name_of(way), unit, cell_of(tried.error_at_ms),
+         cell_of({tried.drift_J, tried.error_at_ms.why_none}), cell_of({tried.us_per_step, tried.error_at_ms.why_none}),
+         adaptive ? report::Cell(own) : cell_of({1e3 * tried.equal_cpu_s, tried.error_at_cpu.why_none}),
+         adaptive ? report::Cell(own) : cell_of(tried.error_at_cpu)});
   }
 }
 
@@ -188,7 +223,9 @@ report::Table momentum(Laboratory& laboratory) {
 
 Content should_i_switch(Laboratory& laboratory, Findings& findings) {
   using namespace engines;
-  report::Table table{.name = "switch", .columns = {"task", "what to do", "times less CPU time, over the motions"}};
+  report::Table table{.name = "switch",
+                      .columns = {"task", "to keep", "what to do", "times less CPU time, over the motions",
+                                  "best other engine, times less CPU time (over the motions)"}};
   report::Table at_error{.name = "switch-equal-error",
                          .columns = {"task", "motion", "method", "to keep", "setting", "error", "CPU time, µs a second",
                                      "CPU time of ODE as it is over that"}};
@@ -209,14 +246,13 @@ Content should_i_switch(Laboratory& laboratory, Findings& findings) {
       }
       const std::optional<Advice> advice = advice_of(results);
       if (!advice) throw MachineError("nobody keeps the error on every motion");
-      table.rows.push_back({std::string(task.text), sentence_of(*advice),
-                            advice->move == Move::stay
-                                ? std::string("-")
-                                : fmt::format("{} to {}", shown(advice->least), shown(advice->most))});
+      table.rows.push_back({std::string(task.text), asked(task), sentence_of(*advice),
+                            advice->move == Move::stay ? std::string("-") : spread_of(*advice), best_engine(results)});
       findings.add(name, among(known_by(report::Source::timing, measured(meaning, "", advice->factor)),
                                {advice->least, advice->most}));
     } catch (const std::exception& error) {  // the build lacks what the task's reference needs
-      table.rows.push_back({std::string(task.text), report::Missing{error.what()}, std::string("-")});
+      table.rows.push_back(
+          {std::string(task.text), asked(task), report::Missing{error.what()}, std::string("-"), std::string("-")});
       findings.add(name, unavailable(meaning, "", error.what()));
     }
   }
@@ -225,7 +261,10 @@ Content should_i_switch(Laboratory& laboratory, Findings& findings) {
     if (method.tells) all.emplace_back(method.name);
   }
   Content content;
-  content.values = {{"left_out", left_out(all)}, {"worth", worth}};
+  content.values = {{"left_out", left_out(all)},
+                    {"worth", worth},
+                    {"coarsest", 1e3 * steps_tried_s().front()},
+                    {"finest", 1e3 * steps_tried_s().back()}};
   content.exhibits.emplace_back(std::move(table));
   content.exhibits.emplace_back(std::move(at_error));
   content.exhibits.emplace_back(std::move(at_step));

@@ -1,6 +1,8 @@
 #pragma once
 // "Should I switch?": ODE beside other engines, task by task: who moves what, until when, and what has to be kept.
+#include <cmath>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -47,17 +49,26 @@ struct Way {
 /// All that this build has for a scenario: ODE as it is first. `setting` of the ladder below is a step in s, or rtol.
 std::vector<Way> ways(const Scenario& scenario);
 
+/// The steps that are tried, from the coarsest to the finest.
+std::span<const double> steps_tried_s();
+
+/// An error, or why there is none to tell.
+struct Found {
+  double error = INFINITY;
+  std::string why_none{};
+};
+
 /// Of one way on one stage.
 struct Tried {
-  double setting = 0;       // the coarsest of the ladder that keeps the budget: step, s, or rtol
-  double error = 0;         // there
-  bool keeps = false;       // else the setting is the finest
-  double us_per_s = 0;      // CPU time of a simulated second
-  double error_at_ms = 0;   // at a step of 1 ms; of a way with rtol at the engine's own
-  double us_per_step = 0;   // there; not a number where the motion is lost
-  double equal_cpu_s = 0;   // the step that costs what ODE as it is costs at 1 ms
-  double error_at_cpu = 0;  // there
-  double drift_J = 0;       // of energy, at 1 ms
+  double setting = 0;      // the coarsest of the ladder that keeps the budget: step, s, or rtol
+  Found error{};           // there
+  bool keeps = false;      // else the setting is the finest
+  double us_per_s = 0;     // CPU time of a simulated second
+  Found error_at_ms{};     // at a step of 1 ms; of a way with rtol at the engine's own
+  double us_per_step = 0;  // there; not a number where the motion is lost
+  double equal_cpu_s = 0;  // the step that costs what ODE as it is costs at 1 ms
+  Found error_at_cpu{};    // there
+  double drift_J = 0;      // of energy, at 1 ms
 };
 
 /// A stage's answers, one a way.
@@ -67,6 +78,11 @@ struct Result {
 };
 Result result_of(const Stage& stage, Laboratory& laboratory);
 
+/// CPU time of ODE as it is over that of a way, both where they keep the budget. 1 where the way is the same run to the
+/// last digit, of which times would tell noise. Where ODE as it is keeps the budget nowhere its time at the finest step
+/// stands for it: a lower bound.
+double factor_of(const Result& result, std::size_t way);
+
 /// What to do, by how many times the CPU time of ODE as it is falls at equal error.
 struct Advice {
   Move move = Move::stay;
@@ -75,13 +91,21 @@ struct Advice {
   double factor = 1;     // geometric mean over the stages
   double least = 1;      // over the stages
   double most = 1;
-  bool at_least = false;  // ODE as it is keeps some budget at no step: of its CPU time only a lower bound is known
+  std::size_t stages = 0;
+  std::size_t bounds = 0;      // stages on which ODE as it is keeps the budget nowhere
+  bool most_is_bound = false;  // on one of these
 };
+/// "13.1 times less CPU time", or at least that.
+std::string gain_of(const Advice& advice);
+/// "1 to 47.6", or to at least that.
+std::string spread_of(const Advice& advice);
 /// Of less than this factor nobody has to change anything.
 inline constexpr double worth = 1.5;
 /// The rule: of the ways that keep the budget on every stage that with the largest mean factor; and of the moves, in
 /// the order of what they ask of a program (stay, change a setting, accurate_step, leave), the first that comes within
 /// `worth` of it. Nothing where no way keeps every budget.
 std::optional<Advice> advice_of(std::span<const Result> results);
+/// Of each move the way with the largest mean factor of those that keep the budget on every stage.
+std::map<Move, Advice> best_of(std::span<const Result> results);
 
 }  // namespace odeval::experiments::engines

@@ -9,6 +9,7 @@
 
 #include "catalogue/keeping.hpp"
 #include "catalogue/timing.hpp"
+#include "experiments/parts.hpp"
 #include "experiments/should_i_switch.hpp"
 #include "output/summary.hpp"
 
@@ -50,7 +51,7 @@ void along_sliding(Scenario& scenario) {
   ode_as_it_is(scenario);
   scenario.ode.friction_axes = FrictionAxes::sliding;
 }
-void stiff(Scenario& scenario) { scenario.mujoco.time_constant_s = 1e-6; }  // the least that the step lets it have
+void stiff(Scenario& scenario) { scenario.mujoco.time_constant_s = 2 * scenario.step_s; }  // the least there is
 void stiff_cone(Scenario& scenario) {
   stiff(scenario);
   scenario.mujoco.elliptic = true;
@@ -91,27 +92,33 @@ class Bench {
 
   catalogue::Evaluator at(const Way& way, double setting) const {
     Scenario scenario = scenario_;
-    way.set(scenario);
     if (way.method->order == 0) {
       scenario.rtol = setting;
     } else {
       scenario.step_s = setting;
     }
+    way.set(scenario);
     return {std::move(scenario), reference_};
   }
 
-  Metrics metrics(const Way& way, double setting) const {
+  struct Run {
+    Metrics metrics{};  // none of a run that does not count
+    Found found{};
+  };
+
+  /// What blew up does not count, nor what ODE itself complained of.
+  Run run(const Way& way, double setting) const {
     const catalogue::Suspects trials;
     catalogue::Evaluator evaluator = at(way, setting);
     const catalogue::Evaluation run = evaluator.evaluate(*way.method);
-    if (run.outcome.diverged || !suspicion(run.outcome).empty()) return {};
-    return evaluator.measure(run, scenario_.duration_s);
+    if (run.outcome.diverged) return {{}, {INFINITY, "the run blew up"}};
+    if (const std::string why = suspicion(run.outcome); !why.empty()) return {{}, {INFINITY, "suspect: " + why}};
+    const Metrics metrics = evaluator.measure(run, scenario_.duration_s);
+    return {metrics, {metrics[stage_.quantity].value_or(INFINITY), "nothing is told of it"}};
   }
-  double error(const Way& way, double setting) const { return error_of(metrics(way, setting)); }
-  bool keeps(const Metrics& metrics) const {
-    return catalogue::keeps(error_of(metrics), uncertainty_of(stage_.quantity, metrics).value_or(0), stage_.budget);
+  bool keeps(const Run& run) const {
+    return catalogue::keeps(run.found.error, uncertainty_of(stage_.quantity, run.metrics).value_or(0), stage_.budget);
   }
-  double error_of(const Metrics& metrics) const { return metrics[stage_.quantity].value_or(INFINITY); }
 
   /// The coarsest setting that keeps the budget where the next finer one keeps it too: no luck.
   void climb(const Way& way, Tried& tried) const {
@@ -119,15 +126,15 @@ class Bench {
         way.method->order == 0 ? std::span<const double>(rtols) : std::span<const double>(steps_s);
     bool kept_before = false;
     for (const double setting : ladder) {
-      const Metrics metrics = this->metrics(way, setting);
-      const double error = error_of(metrics);
-      if (kept_before && keeps(metrics)) return;
-      kept_before = keeps(metrics);
+      const Run run = this->run(way, setting);
+      if (kept_before && keeps(run)) return;
+      kept_before = keeps(run);
       tried.keeps = kept_before;
       tried.setting = setting;
-      tried.error = error;
+      tried.error = run.found;
       const double left = std::pow(setting / steps_s.back(), way.method->order);
-      const bool last = way.method->order > 0 && setting <= equal_step_s && error > hopeless * left * stage_.budget;
+      const bool last =
+          way.method->order > 0 && setting <= equal_step_s && run.found.error > hopeless * left * stage_.budget;
       if (last && way.move != Move::stay) return;
     }
   }
@@ -207,9 +214,9 @@ Result result_of(const Stage& stage, Laboratory& laboratory) {
     const double own = way.method->order == 0 ? way.method->rtol : equal_step_s;
     usual.push_back(way.shown_at_step() ? own : 0);
     if (!way.shown_at_step()) continue;
-    const Metrics metrics = bench.metrics(way, own);
-    tried.error_at_ms = bench.error_of(metrics);
-    tried.drift_J = metrics[quantity::max_energy_drift].value_or(NAN);
+    const Bench::Run run = bench.run(way, own);
+    tried.error_at_ms = run.found;
+    tried.drift_J = run.metrics[quantity::max_energy_drift].value_or(NAN);
   }
   const std::vector<double> at_error = timed(bench, result.ways, kept);
   const std::vector<double> at_step = timed(bench, result.ways, usual);
@@ -219,49 +226,72 @@ Result result_of(const Stage& stage, Laboratory& laboratory) {
     tried.us_per_step = at_step[i] * equal_step_s;
     if (at_step[i] == 0 || result.ways[i].method->order == 0) continue;
     if (!std::isfinite(at_step[0] / at_step[i])) {
-      tried.equal_cpu_s = tried.error_at_cpu = NAN;
+      tried.equal_cpu_s = NAN;
+      tried.error_at_cpu = {
+          NAN, fmt::format("its run at {} ms, or that of ODE as it is, ended early", shown(1e3 * equal_step_s))};
       continue;
     }
     // As many steps a row as the time of ODE's allows.
     const double rows = std::floor(rows_s / equal_step_s * at_step[0] / at_step[i]);
     tried.equal_cpu_s = rows_s / std::max(1.0, rows);
-    tried.error_at_cpu = rows < 1 ? INFINITY : bench.error(result.ways[i], tried.equal_cpu_s);
+    tried.error_at_cpu = rows < 1 ? Found{INFINITY, fmt::format("a step of {} ms costs more", shown(1e3 * rows_s))}
+                                  : bench.run(result.ways[i], tried.equal_cpu_s).found;
   }
   return result;
 }
 
-std::optional<Advice> advice_of(std::span<const Result> results) {
+std::span<const double> steps_tried_s() { return steps_s; }
+
+double factor_of(const Result& result, std::size_t way) {
+  const Tried& plain = result.tried.front();
+  const Tried& tried = result.tried[way];
+  const bool same = result.ways[way].method == result.ways.front().method && tried.setting == plain.setting &&
+                    tried.error.error == plain.error.error;
+  return same ? 1 : plain.us_per_s / tried.us_per_s;
+}
+
+std::map<Move, Advice> best_of(std::span<const Result> results) {
   struct Sum {
     Advice advice;
     double log = 0;
-    std::size_t stages = 0;
   };
   std::map<std::pair<std::string, std::string>, Sum> sums;
   for (const Result& result : results) {
-    // Where ODE as it is does not keep the budget at the ladder's end, its cost there is a lower bound.
-    const double plain = result.tried.front().us_per_s;
+    const bool bound = !result.tried.front().keeps;
     for (std::size_t i = 0; i < result.ways.size(); ++i) {
       const Way& way = result.ways[i];
       if (!result.tried[i].keeps) continue;
-      const double factor = way.move == Move::stay ? 1 : plain / result.tried[i].us_per_s;
+      const double factor = factor_of(result, i);
       Sum& sum = sums[{std::string(way.method->name), way.settings}];
       Advice& advice = sum.advice;
-      if (sum.stages++ == 0) advice = {way.move, std::string(way.method->name), way.settings, 1, factor, factor, false};
-      advice.at_least |= !result.tried.front().keeps;
+      if (advice.stages++ == 0) {
+        advice.move = way.move;
+        advice.method = way.method->name;
+        advice.settings = way.settings;
+        advice.least = factor;
+        advice.most = 0;
+      }
       advice.least = std::min(advice.least, factor);
+      if (factor > advice.most) advice.most_is_bound = bound;
       advice.most = std::max(advice.most, factor);
+      if (bound) ++advice.bounds;
       sum.log += std::log(factor);
     }
   }
   std::map<Move, Advice> best;  // of each move
-  double largest = 0;
   for (auto& [name, sum] : sums) {
-    if (sum.stages < results.size()) continue;
-    sum.advice.factor = std::exp(sum.log / static_cast<double>(sum.stages));
-    largest = std::max(largest, sum.advice.factor);
+    if (sum.advice.stages < results.size()) continue;
+    sum.advice.factor = std::exp(sum.log / static_cast<double>(sum.advice.stages));
     const auto found = best.find(sum.advice.move);
     if (found == best.end() || found->second.factor < sum.advice.factor) best[sum.advice.move] = sum.advice;
   }
+  return best;
+}
+
+std::optional<Advice> advice_of(std::span<const Result> results) {
+  const std::map<Move, Advice> best = best_of(results);
+  double largest = 0;
+  for (const auto& [move, advice] : best) largest = std::max(largest, advice.factor);
   for (const auto& [move, advice] : best) {
     if (advice.factor * worth >= largest) return advice;
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "odeval/metrics.hpp"
+#include "odeval/origin.hpp"
 #include "output/mechanism_report.hpp"
 #include "output/table.hpp"
 
@@ -87,6 +88,21 @@ std::string bounce_line(const std::vector<RunSummary>& runs) {
   return text.empty() ? text : "bounce     " + text + ": errors from the first impact on are of two motions\n";
 }
 
+/// Where ODE's own friction is the reference, what has another: Coulomb's own is no error, and yet is told as one.
+std::string friction_line(const std::vector<RunSummary>& runs, const Reference& reference) {
+  if (!reference.origin.starts_with(self_converged_origin)) return "";
+  const std::vector<Contact>& contacts = runs.front().scenario.mechanism.contacts;
+  const auto rubs = [](const Contact& contact) { return contact.friction && contact.friction->limit > 0; };
+  if (std::ranges::none_of(contacts, rubs)) return "";
+  std::string others;
+  for (const RunSummary& run : runs) {
+    if (!run.uses_ode) others += (others.empty() ? "" : ", ") + run.method;
+  }
+  if (others.empty()) return "";
+  return "friction   the reference has ODE's own law; " + others +
+         " may have another law: what of their errors is that law is not known, and is no fault of theirs\n";
+}
+
 }  // namespace
 
 std::string run_report(const std::vector<RunSummary>& runs, std::span<const double> ns_per_step,
@@ -120,6 +136,7 @@ std::string run_report(const std::vector<RunSummary>& runs, std::span<const doub
   }
   text += spring_line(scenario, grid.step_s);
   text += bounce_line(runs);
+  text += friction_line(runs, reference);
   text += half_step_hint(runs, half_step_leaves);
   return text;
 }

@@ -228,6 +228,14 @@ void soft_stop(double restitution) {
     std::printf("soft stop, restitution %.3g, in %s: %.3g m, %.3g m/s\n", restitution,
                 std::string(method->name).c_str(), most[0], most[1]);
     CHECK_EQUAL(run.motion.size(), 301U);
+    // Stiffness 1 / T², damping twice the ratio over T: critical, or half of it. What bounces has one impedance.
+    const Told told = method->make(scenario, grid)->told();
+    const auto tells = [&](const char* option, std::string_view value) {
+      const std::pair<std::string, std::variant<double, std::int64_t, std::string>> row{option, std::string(value)};
+      return std::ranges::find(told, row) != told.end();
+    };
+    CHECK(tells("stop_b0d0_solimp", restitution > 0 ? "0.95 0.95 0.001 0.5 2" : "0.9 0.95 0.001 0.5 2"));
+    CHECK(restitution > 0 || tells("stop_b0d0_solref", "-400 -40"));
     const double softer = restitution > 0 ? 0 : 0.1 * 1e-3 / T;
     CHECK_BETWEEN(most[0], 0, 2 * scenario.step_s + softer * T);
     CHECK_BETWEEN(most[1], 0, 2 * scenario.step_s / T + softer);
@@ -416,6 +424,10 @@ void refusals() {
                    std::string(method->name) + ": " + word);
       if (!wanted) CHECK_THROWS(catalogue::require_does(*method, scenario, "--method"), UserError, ", which has ");
     }
+    if (!method->name.starts_with("dart")) continue;
+    Scenario unlike = shipped("newtons_cradle");
+    unlike.mechanism.contacts.push_back({.restitution = 0.5});
+    CHECK_THROWS(method->make(unlike, sample_grid(unlike)), UserError, "newtons_cradle.toml: contacts.1: restitution");
   }
 }
 

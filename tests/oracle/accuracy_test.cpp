@@ -177,6 +177,39 @@ void timing_takes_turns() {
   CHECK(quick.takes_s.empty());
 }
 
+/// Takes 1 s, and 100 s more where it has rows to find.
+class Rows : public Simulation {
+ public:
+  explicit Rows(const SampleGrid& grid) : rows_(grid.rows) {}
+  SampleShape shape() const override { return {.coordinates = 2}; }
+  Outcome run(Recorder recorder) override {
+    now_s += recorder ? 101 : 1;
+    for (long row = 0; recorder && row < rows_; ++row) recorder.next();
+    return {};
+  }
+
+ private:
+  long rows_;
+};
+
+// What finding rows costs is not the method's where it chooses its steps, nor an engine's beside ODE.
+void rows_are_no_steps() {
+  catalogue::Evaluator evaluator(test::report_scenario("double_pendulum", 0.1, 1e-3));
+  catalogue::Method method = find_method("lagrange-rk4");
+  method.make = [](const Scenario&, const SampleGrid& grid) -> std::unique_ptr<Simulation> {
+    return std::make_unique<Rows>(grid);
+  };
+  const auto clock = [] { return now_s; };
+  catalogue::Evaluation run = evaluator.evaluate(method);
+  run.cpu_s = 101;
+  CHECK_EQUAL(evaluator.stepping_s(run, clock), 101.0);
+  method.order = 0;
+  CHECK_EQUAL(evaluator.stepping_s(run, clock), 1.0);
+  method.order = 4;
+  method.tells = true;
+  CHECK_EQUAL(evaluator.stepping_s(run, clock), 1.0);
+}
+
 // Of the times 1, 2, 40, 3 and 8 s the middle one is 3 s; from it they are 2, 1, 37, 0 and 5 s away, in the middle 2 s.
 void a_row_of_timings_says_what_was_timed() {
   const catalogue::Evaluator evaluator(test::report_scenario("double_pendulum", 6, 1e-2));
@@ -282,6 +315,7 @@ int main() {
   tolerances_are_the_loosest();
   what_is_not_reached_is_said();
   timing_takes_turns();
+  rows_are_no_steps();
   a_row_of_timings_says_what_was_timed();
   an_equal_error_is_the_searchs();
   the_reports_pendulum_is_known();

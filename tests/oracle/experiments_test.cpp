@@ -14,6 +14,7 @@
 #include "experiments/experiment.hpp"
 #include "experiments/highlights.hpp"
 #include "experiments/parts.hpp"
+#include "experiments/should_i_switch.hpp"
 #include "model/find_scenario.hpp"
 #include "model/read_scenario.hpp"
 #include "odeval/metrics.hpp"
@@ -337,6 +338,38 @@ void check_left_out() {
   }
 }
 
+// Of ODE as it is, of it with a setting changed, and of an engine, on two motions. On the second ODE as it is keeps the
+// error at no step: 8 s at its finest are a lower bound. The setting makes the same run of the first, whatever it took.
+void check_advice() {
+  using namespace experiments::engines;
+  const catalogue::Method& ode = catalogue::find_method("ode-step-double");
+  const catalogue::Method& other = catalogue::find_method("lagrange-rk4");
+  const std::vector<Way> ways{{&ode, Move::stay, "", nullptr},
+                              {&ode, Move::change_a_setting, "friction along the slide", nullptr},
+                              {&other, Move::leave, "", nullptr}};
+  const auto tried = [](double setting, double error, bool keeps, double us_per_s) {
+    Tried one;
+    one.setting = setting;
+    one.error.error = error;
+    one.keeps = keeps;
+    one.us_per_s = us_per_s;
+    return one;
+  };
+  const std::vector<Result> results{
+      {ways, {tried(0.02, 0.5, true, 3), tried(0.02, 0.5, true, 2), tried(0.01, 0.25, true, 1)}},
+      {ways, {tried(0.0002, 7, false, 8), tried(0.02, 0.5, true, 0.5), tried(0.01, 0.25, true, 2)}}};
+  const Advice advice = advice_of(results).value();
+  CHECK(advice.move == Move::change_a_setting);
+  CHECK_NEAR(advice.factor, 4, 1e-12);  // of 1 and 16; rounding of a few logarithms
+  CHECK_EQUAL(gain_of(advice),
+              "at least 4 times less CPU time (ODE as it is keeps the error at no step on 1 of 2 motions)");
+  CHECK_EQUAL(spread_of(advice), "1 to at least 16");
+  const Advice engine = best_of(results).at(Move::leave);
+  CHECK_EQUAL(engine.method, "lagrange-rk4");
+  CHECK_NEAR(engine.factor, std::sqrt(12.0), 1e-12);  // of 3 and 4
+  CHECK_EQUAL(best_of(std::span(results).first(1)).at(Move::leave).bounds, 0U);
+}
+
 /// What everybody reads is all there: a sentence whose numbers or plot went missing leaves the page in silence. One
 /// sentence of the answer and one of those in short are about single precision.
 void check_front(const std::vector<report::Section>& front) {
@@ -377,5 +410,6 @@ int main(int argc, char** argv) {
   }
   check_chain_of();
   check_left_out();
+  check_advice();
   return test::verdict();
 }

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "measure/metrics.hpp"
+#include "odeval/origin.hpp"
 #include "output/checks.hpp"
 #include "output/number.hpp"
 #include "output/run_report.hpp"
@@ -284,6 +285,24 @@ void the_report_of_a_run_says_what_it_is() {
   CHECK(!says(bodies, "lost at "));
 }
 
+// Of what rubs, and where ODE's own friction is the reference, alone.
+void another_friction_is_no_fault() {
+  RunSummary ode = example(), other = example();
+  other.method = "mujoco-euler";
+  other.uses_ode = false;
+  Reference reference;
+  reference.origin = std::string(self_converged_origin) + ": dWorldStep's own limit";
+  const auto says_it = [&](const std::vector<RunSummary>& runs) {
+    return says(run_report(runs, {}, reference), "\nfriction   the reference has ODE's own law; mujoco-euler may");
+  };
+  CHECK(!says_it({ode, other}));
+  for (RunSummary* const run : {&ode, &other}) run->scenario.mechanism.contacts[0].friction = Friction{0.4};
+  CHECK(says_it({ode, other}));
+  CHECK(!says_it({ode}));
+  reference.origin = "closed form";
+  CHECK(!says_it({ode, other}));
+}
+
 // Every metric in its own column, every error time in its own three, of the run it belongs to.
 void csv_holds_every_number() {
   RunSummary run = example();
@@ -541,6 +560,7 @@ int main() {
   the_report_of_a_run_gives_hints();
   printed_tables_hold_their_numbers();
   the_report_of_a_run_says_what_it_is();
+  another_friction_is_no_fault();
   same_run_same_bytes();
   error_times_fit_the_run();
   timings_have_the_columns_of_the_interface();

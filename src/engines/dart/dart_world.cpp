@@ -135,12 +135,16 @@ dd::ShapeNode* touches_as(dd::BodyNode& node, const dd::ShapePtr& shape, const C
 }
 
 /// The one way to touch that all pairs have.
-const Contact& only_contact(const std::vector<Contact>& contacts) {
+const Contact& only_contact(const Scenario& scenario) {
+  const std::vector<Contact>& contacts = scenario.mechanism.contacts;
   const auto coefficient = [](const Contact& contact) { return contact.friction ? contact.friction->limit : 0; };
   const Contact& first = contacts.front();
   for (const Contact& other : contacts) {
     if (other.restitution == first.restitution && coefficient(other) == coefficient(first)) continue;
-    throw UserError("dart-step: DART has restitution and friction of things, not of pairs: all contacts must be alike");
+    throw UserError((scenario.file.empty() ? "" : scenario.file + ": ") + "contacts." +
+                    std::to_string(&other - &first) +
+                    ": restitution and friction must be those of contacts.0 for dart-step, since DART has them of "
+                    "things, not of pairs");
   }
   return first;
 }
@@ -175,12 +179,13 @@ DartWorld::DartWorld(const Scenario& scenario, double step_s)
   world_->setGravity({0, 0, -scenario.gravity});
   world_->setTimeStep(step_s);
   world_->addSkeleton(skeleton_);
-  if (!touching_.empty()) meet(mechanism);
+  if (!touching_.empty()) meet(scenario);
 }
 
-void DartWorld::meet(const Mechanism& mechanism) {
+void DartWorld::meet(const Scenario& scenario) {
   namespace dc = dart::constraint;
-  const Contact& contact = only_contact(mechanism.contacts);
+  const Mechanism& mechanism = scenario.mechanism;
+  const Contact& contact = only_contact(scenario);
   std::map<const dd::ShapeFrame*, std::size_t> numbers;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     numbers[touches_as(*nodes_[i], std::visit(ShapeOf{}, mechanism.bodies[i].shape), contact)] = i;

@@ -33,7 +33,7 @@ class DartWorld final : public engine_tree::World {
 
   static void press(dart::dynamics::Joint* joint, double force);
   void drive(const Joint& joint, dart::dynamics::Joint& made);
-  void meet(const Mechanism& mechanism);
+  void meet(const Scenario& scenario);
 
   engine_tree::Touching touching_;
   dart::simulation::WorldPtr world_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <utility>
 
@@ -67,6 +68,8 @@ MujocoWorld::MujocoWorld(const Scenario& scenario, double step_s, int integrator
       tree_(engine_tree::hang(mechanism_, &closing_)),
       // MuJoCo itself takes no less (refsafe) where softness is told by a time constant and not, as here, by numbers.
       time_constant_s_(std::fmax(scenario.mujoco.time_constant_s, 2 * step_s)),
+      too_stiff_(time_constant_s_ > scenario.mujoco.time_constant_s &&
+                 scenario.mujoco.time_constant_s != MujocoSettings{}.time_constant_s),
       bodies_(mechanism_.bodies.size()) {
   mju_user_error = &fail;
   mju_user_warning = &ignore;
@@ -122,6 +125,8 @@ void MujocoWorld::add_loads(const mjModel* model, mjData* data) {
 
 // MuJoCo starts anew when a number is lost, and only its count of warnings tells.
 long MujocoWorld::step(double from, double) {
+  // Of a run by itself the command line tells before; a search of steps passes by here.
+  if (too_stiff_) throw Lost("mujoco.time_constant is less than two steps");
   from_s_ = from;
   from_by_clock_ = data_->time;
   if (!loads_.empty()) {
@@ -206,23 +211,59 @@ std::vector<Vec3> MujocoWorld::closing_forces() {
   return forces;
 }
 
+namespace {
+
+/// "-250000 -1000", and "; " between rows that differ.
+std::string rows_of(const mjtNum* numbers, int rows, int width) {
+  std::vector<std::string> different;
+  for (int row = 0; row < rows; ++row) {
+    std::string text;
+    for (int k = 0; k < width; ++k) {
+      std::array<char, 32> digits{};
+      std::snprintf(digits.data(), digits.size(), k == 0 ? "%.15g" : " %.15g", numbers[row * width + k]);
+      text += digits.data();
+    }
+    if (std::ranges::find(different, text) == different.end()) different.push_back(std::move(text));
+  }
+  std::string all;
+  for (const std::string& text : different) all += (all.empty() ? "" : "; ") + text;
+  return all;
+}
+
+/// How soft the constraints of one kind are, where there are any: MuJoCo's solref and solimp.
+void tell_softness(Told& told, const std::string& kind, const mjtNum* reference, const mjtNum* impedance, int rows) {
+  if (rows == 0) return;
+  told.push_back({kind + "_solref", rows_of(reference, rows, mjNREF)});
+  told.push_back({kind + "_solimp", rows_of(impedance, rows, mjNIMP)});
+}
+
+}  // namespace
+
 Told MujocoWorld::told() const {
   const mjOption& options = model_->opt;
   const auto of_names = [](int number, auto... names) { return std::string(std::array{names...}.at(number)); };
-  return {{"version", std::string(mj_versionString())},
-          {"integrator", of_names(options.integrator, "Euler", "RK4", "implicit")},
-          {"solver", of_names(options.solver, "PGS", "CG", "Newton")},
-          {"iterations", std::int64_t{options.iterations}},
-          {"tolerance", options.tolerance},
-          {"noslip_iterations", std::int64_t{options.noslip_iterations}},
-          {"impratio", options.impratio},
-          {"cone", of_names(options.cone, "pyramidal", "elliptic")},
-          {"jacobian", of_names(options.jacobian, "dense", "sparse", "auto")},
-          {"constraint_time_constant", time_constant_s_},
-          {"density", options.density},
-          {"viscosity", options.viscosity},
-          {"disableflags", std::int64_t{options.disableflags}},
-          {"enableflags", std::int64_t{options.enableflags}}};
+  Told told{{"version", std::string(mj_versionString())},
+            {"integrator", of_names(options.integrator, "Euler", "RK4", "implicit")},
+            {"solver", of_names(options.solver, "PGS", "CG", "Newton")},
+            {"iterations", std::int64_t{options.iterations}},
+            {"tolerance", options.tolerance},
+            {"noslip_iterations", std::int64_t{options.noslip_iterations}},
+            {"impratio", options.impratio},
+            {"cone", of_names(options.cone, "pyramidal", "elliptic")},
+            {"jacobian", of_names(options.jacobian, "dense", "sparse", "auto")},
+            {"constraint_time_constant", time_constant_s_},
+            {"density", options.density},
+            {"viscosity", options.viscosity},
+            {"disableflags", std::int64_t{options.disableflags}},
+            {"enableflags", std::int64_t{options.enableflags}}};
+  tell_softness(told, "contact", model_->pair_solref, model_->pair_solimp, model_->npair);
+  tell_softness(told, "loop", model_->eq_solref, model_->eq_solimp, model_->neq);
+  for (int joint = 0; joint < model_->njnt; ++joint) {
+    if (!model_->jnt_limited[joint]) continue;
+    tell_softness(told, "stop_" + std::string(mj_id2name(model_.get(), mjOBJ_JOINT, joint)),
+                  model_->jnt_solref + mjNREF * joint, model_->jnt_solimp + mjNIMP * joint, 1);
+  }
+  return told;
 }
 
 }  // namespace odeval::engine_mujoco
