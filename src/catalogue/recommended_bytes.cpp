@@ -7,8 +7,8 @@ namespace odeval {
 template <class Way, class Value>
 requires bytes::is<Value, Change>
 void pass(Way& way, Value& change) {
-  auto& [key, before, value, steps_without, cost_without] = change;
-  each(way, key, before, value, steps_without, cost_without);
+  auto& [key, before, value, steps_without, most_steps_without, cost_without] = change;
+  each(way, key, before, value, steps_without, most_steps_without, cost_without);
 }
 
 template <class Way, class Value>
@@ -19,12 +19,19 @@ void pass(Way& way, Value& reached) {
 }
 
 template <class Way, class Value>
+requires bytes::is<Value, Nearby>
+void pass(Way& way, Value& nearby) {
+  auto& [tried, worst] = nearby;
+  each(way, tried, worst);
+}
+
+template <class Way, class Value>
 requires bytes::is<Value, Recommended>
 void pass(Way& way, Value& run) {
-  auto& [method, kind, place, changes, knob, before, setting, reached, steps, why_not, cpu_per_s, cpu_spread, command] =
-      run;
+  auto& [method, kind, place, changes, knob, before, setting, reached, steps, why_not, cpu_per_s, cpu_spread, command,
+         nearby] = run;
   each(way, method, kind, place, changes, knob, before, setting, reached, steps, why_not, cpu_per_s, cpu_spread,
-       command);
+       command, nearby);
 }
 
 namespace catalogue {

@@ -29,12 +29,13 @@ constexpr long fewest_steps = 4;      // of a run
 constexpr std::size_t rtols_a_decade = 16;
 constexpr double loosest_rtol = 1e-2;
 constexpr double tightest_rtol = 3e-15;       // below it rounding alone is larger
-constexpr long rows_of_a_trial = 2'000;       // at most: the answer's own run has every step
+constexpr long rows_of_a_trial = 2'000;       // at most, where nothing hits; the answer's own run has every step
 constexpr std::size_t most_unsteady = 40;     // finer steps that are tried in the place of an unsteady one
 constexpr long most_steps_apart = 100'000;    // of runs with other settings, where the scenario's own keep no budget
 constexpr int most_runs = 10;                 // of the most steps, for all that is tried of a method
 constexpr double worth_a_change = 1.03;       // what costs less to leave as it was is left
 constexpr double farthest_back = 32;          // times the steps, with one change taken back
+constexpr double for_worth = 0.25;            // of all steps, for whether each change is worth it and how much
 constexpr int most_stalled = 3;               // times that a finer setting was no better, one after the other
 constexpr double far = 10;                    // times the budget: from there an error falls when it likes
 constexpr int passes = 2;                     // over the settings, one after the other
@@ -103,6 +104,8 @@ struct Best {
   Tried trial;
   bool kept = false;
   std::string why_not;
+  Nearby nearby{};      // of what keeps it
+  long most_steps = 0;  // that were tried for it
 };
 
 }  // namespace
@@ -138,7 +141,8 @@ class MethodSearch {
         knob_(knob_of(method)),
         ladder_(make_ladder()),
         searched_(what_to_search()),
-        steps_left_(most_runs * budget_.most_steps) {}
+        all_steps_(static_cast<double>(most_runs * budget_.most_steps)),
+        steps_left_(static_cast<long>((1 - for_worth) * all_steps_)) {}
 
   Recommended cheapest();
 
@@ -151,7 +155,7 @@ class MethodSearch {
   double excess(const Tried& trial) const;
   bool keeps(const Tried& trial) const;
   Tried coarsest_near(const std::vector<Change>& changes, std::size_t place);
-  bool steady(const std::vector<Change>& changes, double setting);
+  std::optional<Nearby> steady(const std::vector<Change>& changes, double setting);
 
   Best climb(const std::vector<Change>& changes, std::size_t end);
   Best descend(const std::vector<Change>& changes, std::size_t end);
@@ -159,6 +163,7 @@ class MethodSearch {
   bool improve(Best& best, const std::vector<Change>& changes);
   void try_together(Best& best);
   void try_alone(Best& best);
+  long share_of_worth(const Best& best) const;
   void drop_what_is_worth_little(Best& best);
   void tell_worth(Best& best);
   std::string why_none(const Tried& nearest, bool stalled) const;
@@ -170,7 +175,9 @@ class MethodSearch {
   Knob knob_;
   Ladder ladder_;
   std::vector<Searched> searched_;
-  long steps_left_;  // of all runs
+  double all_steps_;   // of all runs
+  long steps_left_;    // of what is searched now
+  bool hits_ = false;  // something hit something in a run: the overlap that an impact leaves lasts a step or two
 };
 
 Ladder MethodSearch::make_ladder() const {
@@ -242,12 +249,13 @@ Tried MethodSearch::run(const std::vector<Change>& changes, double setting, bool
     Scenario scenario = search_.scenario(method_, changes, setting);
     const long steps = sample_grid(scenario).steps();
     steps_left_ -= steps;
-    if (!every_step) scenario = with_enough_rows(std::move(scenario), rows_of_a_trial);
+    if (!every_step && !hits_) scenario = with_enough_rows(std::move(scenario), rows_of_a_trial);
     Evaluator evaluator(scenario, search_.reference_for(scenario));
     const Evaluation done = evaluator.evaluate(method_);
     const Metrics metrics = evaluator.measure(done, evaluator.grid().time(evaluator.grid().rows - 1));
     trial.steps = done.outcome.steps;
     trial.impacts = !done.outcome.impacts.empty() || !done.outcome.strikes.empty();
+    hits_ = hits_ || trial.impacts;
     for (std::size_t i = 0; i < budget_.targets.size(); ++i) {
       const quantity::Id id = budget_.targets[i].id;
       trial.reached[i] = {metrics[id], uncertainty_of(id, metrics)};
@@ -290,12 +298,20 @@ Tried MethodSearch::coarsest_near(const std::vector<Change>& changes, std::size_
   return run(changes, near > longest_step_s ? setting : near, false);
 }
 
-bool MethodSearch::steady(const std::vector<Change>& changes, double setting) {
-  return kept_nearby(setting, [&](double near) {
+/// What the settings nearby leave, if all keep the budget.
+std::optional<Nearby> MethodSearch::steady(const std::vector<Change>& changes, double setting) {
+  Nearby nearby{0, std::vector<double>(budget_.targets.size())};
+  const bool kept = kept_nearby(setting, [&](double near) {
     if (near > longest_step_s) return Near{true, false};
     const Tried trial = run(changes, near, false);
-    return Near{keeps(trial), trial.impacts};
+    if (!keeps(trial)) return Near{false, trial.impacts};
+    ++nearby.tried;
+    for (std::size_t i = 0; i < nearby.worst.size(); ++i) {
+      nearby.worst[i] = std::max(nearby.worst[i], std::fabs(*trial.reached[i].value));
+    }
+    return Near{true, trial.impacts};
   });
+  return kept ? std::optional(std::move(nearby)) : std::nullopt;
 }
 
 /// From `coarse`, which does not keep the budget (-1: nothing coarser is there), and `fine`, which does, to the
@@ -313,9 +329,13 @@ Best MethodSearch::bisect(const std::vector<Change>& changes, long coarse, std::
   for (std::size_t place = fine; place < std::min(end, fine + most_unsteady); ++place) {
     best.place = place;
     const double setting = ladder_.settings[place];
-    if (knob_ != Knob::none && !steady(changes, setting)) {
-      if (steps_left_ < 0) break;
-      continue;
+    if (knob_ != Knob::none) {
+      std::optional<Nearby> nearby = steady(changes, setting);
+      if (!nearby) {
+        if (steps_left_ < 0) break;
+        continue;
+      }
+      best.nearby = std::move(*nearby);
     }
     best.trial = run(changes, setting, true);
     if (!keeps(best.trial)) continue;
@@ -333,11 +353,14 @@ Best MethodSearch::climb(const std::vector<Change>& changes, std::size_t end) {
   double least = infinity;
   int stalled = 0;
   long coarse = -1;
+  long most_steps = 0;
   for (std::size_t place = 0; place < end;) {
     const Tried trial = coarsest_near(changes, place);
+    most_steps = std::max(most_steps, trial.steps);
     if (keeps(trial)) {
       Best found = bisect(changes, coarse, place, end);
       if (found.kept) return found;
+      most_steps = std::max(most_steps, found.trial.steps);
       place = found.place;  // luck so far: on to finer ones
       nearest = std::move(found);
     } else {
@@ -357,6 +380,7 @@ Best MethodSearch::climb(const std::vector<Change>& changes, std::size_t end) {
     if (steps_left_ < 0) break;
   }
   if (nearest.why_not.empty()) nearest.why_not = why_none(nearest.trial, stalled == most_stalled);
+  nearest.most_steps = most_steps;
   return nearest;
 }
 
@@ -434,9 +458,15 @@ void MethodSearch::try_alone(Best& best) {
   }
 }
 
+/// Steps to look at one change with, twice: a long search leaves none.
+long MethodSearch::share_of_worth(const Best& best) const {
+  return static_cast<long>(for_worth * all_steps_ / (2 * static_cast<double>(best.changes.size())));
+}
+
 /// Fewer changes at nearly the same cost are better advice.
 void MethodSearch::drop_what_is_worth_little(Best& best) {
   for (std::size_t i = best.changes.size(); i-- > 0;) {
+    steps_left_ = share_of_worth(best);
     const std::vector<Change> changes = without(best.changes, i);
     const double dearer = cost_of_step(changes) / cost_of_step(best.changes);
     const double finest = ladder_.settings[best.place] * dearer / worth_a_change;
@@ -447,10 +477,14 @@ void MethodSearch::drop_what_is_worth_little(Best& best) {
 
 void MethodSearch::tell_worth(Best& best) {
   for (std::size_t i = 0; i < best.changes.size(); ++i) {
+    steps_left_ = share_of_worth(best);
     const std::vector<Change> changes = without(best.changes, i);
     const std::size_t end = ladder_.place_of(ladder_.settings[best.place] / farthest_back);
     const Best found = climb(changes, std::min(end + 1, ladder_.size()));
-    if (!found.kept) continue;
+    if (!found.kept) {
+      best.changes[i].most_steps_without = found.most_steps;
+      continue;
+    }
     best.changes[i].steps_without = found.trial.steps;
     best.changes[i].cost_without = static_cast<double>(found.trial.steps) * cost_of_step(changes) /
                                    (static_cast<double>(best.trial.steps) * cost_of_step(best.changes));
@@ -477,6 +511,7 @@ Recommended MethodSearch::cheapest() {
   run.setting = best.trial.setting;
   run.reached = std::move(best.trial.reached);
   run.steps = best.trial.steps;
+  run.nearby = std::move(best.nearby);
   run.why_not = best.why_not;
   return run;
 }

@@ -31,7 +31,9 @@ std::string settings_text(const Recommended& run) {
 std::string reached_text(const Reached& reached) { return with_uncertainty(reached.value, reached.uncertainty); }
 
 std::string worth_text(const Change& change) {
-  if (!change.steps_without) return "without it: not at all, in 32 times the steps";
+  if (!change.steps_without) {
+    return fmt::format("without it: none that was tried, up to {} steps", change.most_steps_without);
+  }
   return fmt::format("without it: {} steps, {:.3g} times the cost", *change.steps_without, change.cost_without);
 }
 
@@ -57,13 +59,21 @@ std::string indented(const std::string& text) {
   return lines;
 }
 
+/// "; 0.00987 at the worst of 8 steps nearby"
+std::string nearby_text(const Recommended& run, std::size_t target) {
+  if (run.nearby.tried == 0) return "";
+  return fmt::format("; {} at the worst of {} {}s nearby", three_digits(run.nearby.worst[target]), run.nearby.tried,
+                     run.knob);
+}
+
 std::string answer_text(const Recommendation& answer, const Recommended& run) {
   std::string text = fmt::format("{}, {} steps ({} µs of CPU for a simulated second)\n", run.method, run.steps,
                                  three_digits(1e6 * run.cpu_per_s));
   text += indented(changes_text(run));
   for (std::size_t i = 0; i < answer.targets.size(); ++i) {
     const Quantity& quantity = quantity_of(answer.targets[i]);
-    text += fmt::format("  {}: {} {}\n", quantity.meaning, reached_text(run.reached[i]), quantity.unit);
+    text += fmt::format("  {}: {} {}{}\n", quantity.meaning, reached_text(run.reached[i]), quantity.unit,
+                        nearby_text(run, i));
   }
   return text + "  " + bold(run.command) + '\n';
 }
@@ -123,6 +133,10 @@ Json json_of(const Recommendation& answer, const Recommended& run) {
     json["why_not"] = run.why_not;
     return json;
   }
+  json["nearby"] = {{"tried", run.nearby.tried}, {"worst", Json::object()}};
+  for (std::size_t i = 0; i < run.nearby.worst.size(); ++i) {
+    json["nearby"]["worst"][std::string(quantity_of(answer.targets[i]).name)] = json_number(run.nearby.worst[i]);
+  }
   json["us_per_s"] = 1e6 * run.cpu_per_s;
   json["command"] = run.command;
   json["worth"] = Json::array();
@@ -160,18 +174,20 @@ std::string recommendation_text(const Recommendation& answer) {
 
 std::string recommendation_csv(const Recommendation& answer) {
   std::string text = "method,ode,changes,knob,setting";
-  for (const Target& target : answer.targets) text += fmt::format(",{0},{0}_uncertainty", quantity_of(target).name);
-  text += ",steps,cpu_s_per_s,cpu_s_per_s_spread,keeps,why_not,command\n";
+  for (const Target& target : answer.targets) text += fmt::format(",{0},{0}_uncertainty,{0}_nearby", quantity_of(target).name);
+  text += ",nearby,steps,cpu_s_per_s,cpu_s_per_s_spread,keeps,why_not,command\n";
   for (const Recommended& run : answer.runs) {
     std::string changes;
     for (const Change& change : run.changes) changes += (changes.empty() ? "" : " ") + change.key + "=" + change.value;
     text += fmt::format("{},{},{},{},{}", run.method, run.kind == Kind::plain_ode ? 1 : 0, csv_cell(changes), run.knob,
                         run.knob.empty() ? "" : number_text(run.setting));
-    for (const Reached& reached : run.reached) {
-      text += fmt::format(",{},{}", reached.value ? number_text(*reached.value) : "",
-                          reached.uncertainty ? number_text(*reached.uncertainty) : "");
+    for (std::size_t i = 0; i < run.reached.size(); ++i) {
+      const Reached& reached = run.reached[i];
+      text += fmt::format(",{},{},{}", reached.value ? number_text(*reached.value) : "",
+                          reached.uncertainty ? number_text(*reached.uncertainty) : "",
+                          run.nearby.tried > 0 ? number_text(run.nearby.worst[i]) : "");
     }
-    text += fmt::format(",{},{},{},{},{},{}\n", run.steps, run.keeps() ? number_text(run.cpu_per_s) : "",
+    text += fmt::format(",{},{},{},{},{},{},{}\n", run.nearby.tried, run.steps, run.keeps() ? number_text(run.cpu_per_s) : "",
                         run.keeps() ? number_text(run.cpu_spread) : "", run.keeps() ? 1 : 0, csv_cell(run.why_not),
                         csv_cell(run.command));
   }

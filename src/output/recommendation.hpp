@@ -29,7 +29,14 @@ struct Change {
 
   // With this one taken back and the others kept:
   std::optional<long> steps_without = {};  // that keep the budget; empty: none of those that were tried do
+  long most_steps_without = 0;             // that were tried, where none does
   double cost_without = 0;                 // over that of the recommended run
+};
+
+/// What runs leave whose step, or tolerance, is the recommended one but for a few percent.
+struct Nearby {
+  int tried = 0;              // all keep the budget
+  std::vector<double> worst;  // size of each target
 };
 
 /// A method at the cheapest settings that keep the budget, or at those that come nearest.
@@ -49,6 +56,7 @@ struct Recommended {
   double cpu_per_s = 0;      // of what keeps it: CPU time of the stepping over simulated time, median
   double cpu_spread = 0;     // likewise the median absolute deviation
   std::string command = {};  // the run that proves it
+  Nearby nearby = {};
 
   bool keeps() const { return why_not.empty(); }
 };
