@@ -174,7 +174,8 @@ std::string recommendation_text(const Recommendation& answer) {
 
 std::string recommendation_csv(const Recommendation& answer) {
   std::string text = "method,ode,changes,knob,setting";
-  for (const Target& target : answer.targets) text += fmt::format(",{0},{0}_uncertainty,{0}_nearby", quantity_of(target).name);
+  for (const Target& target : answer.targets)
+    text += fmt::format(",{0},{0}_uncertainty,{0}_nearby", quantity_of(target).name);
   text += ",nearby,steps,cpu_s_per_s,cpu_s_per_s_spread,keeps,why_not,command\n";
   for (const Recommended& run : answer.runs) {
     std::string changes;
@@ -187,9 +188,9 @@ std::string recommendation_csv(const Recommendation& answer) {
                           reached.uncertainty ? number_text(*reached.uncertainty) : "",
                           run.nearby.tried > 0 ? number_text(run.nearby.worst[i]) : "");
     }
-    text += fmt::format(",{},{},{},{},{},{},{}\n", run.nearby.tried, run.steps, run.keeps() ? number_text(run.cpu_per_s) : "",
-                        run.keeps() ? number_text(run.cpu_spread) : "", run.keeps() ? 1 : 0, csv_cell(run.why_not),
-                        csv_cell(run.command));
+    text += fmt::format(",{},{},{},{},{},{},{}\n", run.nearby.tried, run.steps,
+                        run.keeps() ? number_text(run.cpu_per_s) : "", run.keeps() ? number_text(run.cpu_spread) : "",
+                        run.keeps() ? 1 : 0, csv_cell(run.why_not), csv_cell(run.command));
   }
   return text;
 }
