@@ -49,6 +49,8 @@ Allowed allowed[] = {
     {"\\b(2018|2014|data/666|49 balls|216 balls|6 x 6 x 6|10 kg|20 s|10 s|10 ms|up to 1000|60 degrees)\\b",
      "what others' benchmarks are made of, as they published them", "benchmarks"},
     {"[Tt]wo points\\b", "the benchmark of Potra et al.", ""},
+    {"Gazebo 6|S\\. Peters, 2015|ODE 0\\.16\\b", "the release that was measured, its source, and the release here",
+     "free-box"},
     {"\\b[Hh]alf[- ](a )?step\\b|\\bhalf\\s+a\\s+step\\b", "the name of what O1 is about"},
     {"(cases 1, 3 and 4|Cases 1 and 2|five cases)\\b", "the rows of the 2010 report's Table 5.2", "table-5-2"},
     {"95 % interval", "the one interval that fits are given with"},
