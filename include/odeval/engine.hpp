@@ -55,6 +55,7 @@ enum class Feature : std::uint8_t {
   rare_joints,     // ODE's kinds that other engines do not have
   struts,          // springs between points of bodies
   rare_shapes,     // contacts of shapes that other engines are not given
+  axis_motors,     // of joints with several motions
 };
 
 /// The features in words ("friction"), in the order of the enumeration.

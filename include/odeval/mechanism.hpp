@@ -164,6 +164,15 @@ struct Freedom {
 /// Of a kind; empty of one that leaves nothing.
 Freedom freedom_of(const JointKind& kind);
 
+/// One of the motions of a joint that leaves several, which a motor may drive: a turn about an axis, or a way along it.
+struct Driveable {
+  bool slides = false;
+  Vec3 axis{};  // unit
+};
+/// Those of a kind, in the order of its axes; of a piston the way and then the turn. Empty of kinds with one motion, or
+/// whose motions have no axes of their own.
+std::vector<Driveable> driveable_of(const JointKind& kind);
+
 // What drives, stops and loads a joint that leaves one motion, a hinge or a slider. All of it counts along the axis:
 // the first body against the second, or against the world, from where the joint stands at t = 0; in rad and N m of a
 // hinge, in m and N of a slider.
@@ -172,6 +181,12 @@ Freedom freedom_of(const JointKind& kind);
 struct Motor {
   double speed = 0;  // wanted, rad/s or m/s
   double most = 0;   // never more, either way, N m or N
+};
+/// A motor of one of several motions. It counts as that of a hinge or a slider does, about or along its axis.
+struct AxisMotor {
+  std::size_t motion = 0;  // number in driveable_of
+  Motor motor{};
+  std::string key = {};  // its table in a file: "motor2"
 };
 /// Ends of a joint's way, rad or m.
 struct Stop {
@@ -215,12 +230,13 @@ struct Joint {
   std::vector<JointSpring> springs = {};
   std::vector<Signal> torques = {};  // of a slider forces
   std::vector<Controller> controllers = {};
-  std::string name = {};  // for tables and files; need not be there
+  std::string name = {};               // for tables and files; need not be there
+  std::vector<AxisMotor> motors = {};  // of a kind with several motions, instead of `motor`
 
   /// The body whose force the joint tells: the second, or the first where the second is the world.
   std::size_t carried() const { return second.value_or(first); }
   /// Whether anything drives, stops or loads it.
-  bool driven() const { return motor || stop || loaded(); }
+  bool driven() const { return motor || stop || loaded() || !motors.empty(); }
   /// Whether springs, torques or controllers act on it.
   bool loaded() const { return !springs.empty() || !torques.empty() || !controllers.empty(); }
   /// Whether a controller looks at it once a step.

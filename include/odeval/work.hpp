@@ -40,6 +40,7 @@ struct MotorUse {
   std::size_t joint = 0;          // number
   double share = 0;               // of the time of the run, 0 to 1
   std::optional<double> first_s;  // when it came to its limit first
+  std::string key = {};           // of a joint with several motions: the motor's table in a file
 };
 
 /// A joint that strikes an end of its way. Numbers count as the joint's (mechanism.hpp).

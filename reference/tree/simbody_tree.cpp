@@ -6,6 +6,7 @@
 #include <Eigen/QR>
 #include <cmath>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 #include <variant>
 
@@ -152,6 +153,34 @@ struct Hanging {
   }
 };
 
+/// Which of a chain's bodies has a motion of its joint that a motor may drive, and as which of its own.
+struct Mobility {
+  std::size_t body;
+  int number;
+};
+struct FindMobility {
+  std::size_t motion;  // of driveable_of
+  bool body_is_first;
+
+  Mobility operator()(const UniversalJoint&) const { return {0, turn(motion)}; }
+  Mobility operator()(const PistonJoint&) const { return {0, motion == 0 ? 1 : 0}; }
+  Mobility operator()(const SlidingHingeJoint&) const { return {sliding(motion), 0}; }
+  Mobility operator()(const SlidingUniversalJoint&) const {
+    return {sliding(motion), motion == 0 ? 0 : turn(motion - 1)};
+  }
+  Mobility operator()(const Hinge2Joint&) const { return {sliding(1), turn(motion)}; }
+  template <class Other>
+  Mobility operator()(const Other&) const {
+    throw std::logic_error("a joint that has no motion of several to drive");
+  }
+
+ private:
+  /// The parent's axis is Simbody's first.
+  int turn(std::size_t axis) const { return (axis == 0) == body_is_first ? 1 : 0; }
+  /// The way comes first, from the parent on, where the parent is the joint's first.
+  std::size_t sliding(std::size_t of) const { return (of == 0) == body_is_first ? 1 : 0; }
+};
+
 class Tree final : public SimbodyTree {
  public:
   Tree(const Mechanism& mechanism, const std::vector<Branch>& tree, double gravity);
@@ -161,9 +190,10 @@ class Tree final : public SimbodyTree {
   std::size_t place_of_coordinate(std::size_t branch) const override;
   std::size_t place_of_speed(std::size_t branch) const override;
   std::size_t first_speed() const override;
-  void push(std::size_t branch, double force) override;
+  Motion place_of_motion(std::size_t branch, std::size_t motion) const override;
+  void push(std::size_t speed, double force) override;
   Vec3 direction(const double* y, std::size_t branch, const Vec3& axis_at_start) override;
-  const std::vector<double>& kick(const double* y, std::size_t branch) override;
+  const std::vector<double>& kick(const double* y, std::size_t speed) override;
   Impulse impulse(const double* y, std::size_t body, std::optional<std::size_t> other, const Vec3& point,
                   const Vec3& direction) override;
   void slope(const double* y, double* dydt) override;
@@ -239,6 +269,8 @@ struct Tree::System {
   std::optional<SimTK::Force::DiscreteForces> pushes;  // where anything pushes
   std::vector<Chain> hung;                             // by branches
   std::vector<SimTK::MobilizedBody> bodies;            // by their numbers in the mechanism
+  std::vector<std::pair<SimTK::MobilizedBody, SimTK::MobilizerUIndex>>
+      moved_by;  // the body and the number of each speed
   SimTK::State state;
   SimTK::Vector_<SimTK::SpatialVec> reactions;
   Loops loops;
@@ -258,6 +290,10 @@ struct Tree::System {
     }
     all.realize(state, SimTK::Stage::Position);
     for (std::size_t i = 0; i < tree.size(); ++i) set_speed(tree[i], hung[i]);
+    for (SimTK::MobilizedBodyIndex i(1); i < matter.getNumBodies(); ++i) {
+      const SimTK::MobilizedBody& body = matter.getMobilizedBody(i);
+      for (SimTK::MobilizerUIndex u(0); u < body.getNumU(state); ++u) moved_by.emplace_back(body, u);
+    }
   }
 
   void realize(const double* y, SimTK::Stage stage) {
@@ -419,15 +455,26 @@ Vec3 Tree::direction(const double* y, std::size_t branch, const Vec3& axis_at_st
   return ours(system_->body_of(branch).getBodyRotation(system_->state) * (~start * simbody(axis_at_start)));
 }
 
-void Tree::push(std::size_t branch, double force) {
-  system_->pushes->setOneMobilityForce(system_->state, system_->body_of(branch), SimTK::MobilizerUIndex(0), force);
+SimbodyTree::Motion Tree::place_of_motion(std::size_t branch, std::size_t motion) const {
+  const System& system = *system_;
+  const Joint& joint = system.mechanism.joints[*system.tree[branch].joint];
+  const bool body_is_first = joint.first == system.tree[branch].body;
+  const Mobility place = std::visit(FindMobility{motion, body_is_first}, joint.kind);
+  const SimTK::MobilizedBody& body = system.hung[branch].bodies[place.body];
+  return {static_cast<std::size_t>(int(body.getFirstQIndex(system.state)) + place.number),
+          first_speed() + static_cast<std::size_t>(int(body.getFirstUIndex(system.state)) + place.number)};
 }
 
-const std::vector<double>& Tree::kick(const double* y, std::size_t branch) {
+void Tree::push(std::size_t speed, double force) {
+  const auto& [body, number] = system_->moved_by[speed - first_speed()];
+  system_->pushes->setOneMobilityForce(system_->state, body, number, force);
+}
+
+const std::vector<double>& Tree::kick(const double* y, std::size_t speed) {
   System& system = *system_;
   system.realize(y, SimTK::Stage::Velocity);
   SimTK::Vector impulse(system.matter.getNumMobilities(), 0.0);
-  impulse[system.place_of_speed(branch)] = 1;
+  impulse[static_cast<int>(speed - first_speed())] = 1;
   kick_ = numbers(system.gained_by(impulse));
   return kick_;
 }

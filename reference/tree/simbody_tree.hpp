@@ -51,12 +51,20 @@ class SimbodyTree {
   virtual std::size_t place_of_coordinate(std::size_t branch) const = 0;
   virtual std::size_t place_of_speed(std::size_t branch) const = 0;
   virtual std::size_t first_speed() const = 0;
-  /// A force along that coordinate, N m or N, from now on.
-  virtual void push(std::size_t branch, double force) = 0;
+  /// A motion of a branch's joint in a state.
+  struct Motion {
+    std::size_t coordinate;
+    std::size_t speed;
+  };
+  /// Of the ones of a joint with several that a motor may drive (driveable_of).
+  virtual Motion place_of_motion(std::size_t branch, std::size_t motion) const = 0;
+  /// A force along the coordinate whose speed stands there, N m or N, from now on.
+  virtual void push(std::size_t speed, double force) = 0;
   /// Where that of a slider leads, in the world.
   virtual Vec3 direction(const double* y, std::size_t branch, const Vec3& axis_at_start) = 0;
-  /// What a unit impulse along it adds to all speeds, in their order in a state; stays until the next call.
-  virtual const std::vector<double>& kick(const double* y, std::size_t branch) = 0;
+  /// What a unit impulse along the coordinate whose speed stands there adds to all speeds, in their order in a state;
+  /// stays until the next call.
+  virtual const std::vector<double>& kick(const double* y, std::size_t speed) = 0;
 
   /// What a unit impulse in a direction does at a point of a body, and its opposite at that point of another one, if
   /// there is one.

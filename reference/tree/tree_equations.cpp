@@ -25,7 +25,7 @@ Eigen::MatrixXd mobility(SimbodyTree& simbody, const double* y, const std::vecto
   Eigen::MatrixXd a(count, count);
   for (Eigen::Index j = 0; j < count; ++j) {
     const TreeEquations::Axis& pushed = axes[which[static_cast<std::size_t>(j)]];
-    const std::vector<double>& kick = simbody.kick(y, pushed.branch);
+    const std::vector<double>& kick = simbody.kick(y, pushed.speed);
     for (Eigen::Index i = 0; i < count; ++i) {
       const TreeEquations::Axis& axis = axes[which[static_cast<std::size_t>(i)]];
       a(i, j) = axis.sign * pushed.sign * kick[axis.speed - simbody.first_speed()];
@@ -54,13 +54,15 @@ TreeEquations::TreeEquations(const Scenario& scenario)
     const Branch& branch = tree_[i];
     if (!branch.joint || !joints_[*branch.joint].driven()) continue;
     const Joint& joint = joints_[*branch.joint];
-    Axis axis{joint,
-              i,
-              joint.first == branch.body ? 1.0 : -1.0,
-              simbody_->place_of_coordinate(i),
-              simbody_->place_of_speed(i),
-              0,
-              *branch.joint};
+    const double sign = joint.first == branch.body ? 1.0 : -1.0;
+    for (const AxisMotor& each : joint.motors) {
+      const Joint alone{
+          .kind = joint.kind, .first = joint.first, .second = joint.second, .motor = each.motor, .name = joint.name};
+      const auto [coordinate, speed] = simbody_->place_of_motion(i, each.motion);
+      axes_.push_back({alone, i, sign, coordinate, speed, 0, *branch.joint, each.key});
+    }
+    if (!joint.motors.empty()) continue;
+    Axis axis{joint, i, sign, simbody_->place_of_coordinate(i), simbody_->place_of_speed(i), 0, *branch.joint, {}};
     if (joint.sampled()) {
       axis.held = start_.size();
       start_.push_back(0);
@@ -105,7 +107,7 @@ void TreeEquations::slope(const LoopChart& chart, double t, const double* small,
 void TreeEquations::push(double t, const double* y, const Grips& grips, const std::vector<double>& held) const {
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const Axis& axis = axes_[i];
-    simbody_->push(axis.branch, axis.sign * (load(axis, t, y) + (grips[i].holds ? held[i] : grips[i].force)));
+    simbody_->push(axis.speed, axis.sign * (load(axis, t, y) + (grips[i].holds ? held[i] : grips[i].force)));
   }
 }
 
@@ -272,7 +274,7 @@ TreeEquations::State TreeEquations::struck(const double* y, const Strike& strike
   for (std::size_t i = 0; i < strike.axes.size(); ++i) {
     const Axis& axis = axes_[strike.axes[i]];
     after[axis.way] = axis.sign * (strike.away[i] > 0 ? axis.joint.stop->low : axis.joint.stop->high);
-    const std::vector<double>& kick = simbody_->kick(y, axis.branch);
+    const std::vector<double>& kick = simbody_->kick(y, axis.speed);
     const double along = axis.sign * strike.away[i] * impulse[static_cast<Eigen::Index>(i)];
     for (std::size_t j = 0; j < kick.size(); ++j) after[simbody_->first_speed() + j] += along * kick[j];
   }

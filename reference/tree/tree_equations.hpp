@@ -36,7 +36,7 @@ class TreeEquations {
  public:
   using State = std::vector<double>;
 
-  /// A joint that something drives, stops or loads.
+  /// A joint that something drives, stops or loads; or one of several motions of a joint, that a motor drives.
   struct Axis {
     Joint joint;
     std::size_t branch;  // number in the tree
@@ -45,6 +45,7 @@ class TreeEquations {
     std::size_t speed;   // likewise
     std::size_t held;    // likewise, of the held load where there is one
     std::size_t number;  // of the joint
+    std::string key;     // of such a motor
 
     double q(const double* y) const { return sign * y[way]; }
     double rate(const double* y) const { return sign * y[speed]; }

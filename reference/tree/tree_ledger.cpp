@@ -162,7 +162,7 @@ std::vector<MotorUse> TreeLedger::motors(double duration_s) const {
   std::vector<MotorUse> motors;
   for (std::size_t i = 0; i < uses_.size(); ++i) {
     const TreeEquations::Axis& axis = equations_.axes()[i];
-    if (axis.joint.motor) motors.push_back({axis.number, uses_[i].time_s / duration_s, uses_[i].first_s});
+    if (axis.joint.motor) motors.push_back({axis.number, uses_[i].time_s / duration_s, uses_[i].first_s, axis.key});
   }
   return motors;
 }

@@ -60,7 +60,8 @@ constexpr Features touching_trees =
 constexpr Features driven_bodies =
     joined_bodies | bouncing_stops |
     Features{Feature::motors, Feature::loads, Feature::loops, Feature::rare_joints, Feature::struts};
-constexpr Features accurate = touching_bodies | driven_bodies | Features{Feature::friction, Feature::rare_shapes};
+constexpr Features accurate =
+    touching_bodies | driven_bodies | Features{Feature::friction, Feature::rare_shapes, Feature::axis_motors};
 constexpr Features all_of_ode = accurate | Features{Feature::constant_friction, Feature::open_joints};
 constexpr Features closed_form{Feature::wall,
                                Feature::space,
@@ -128,7 +129,8 @@ std::vector<Method> methods_of_bodies() {
       {"maximal-ode-step", "one dWorldStep rebuilt", "ODE's own scheme, fixed step", 1, 0, 0, chain_or_one_at_wall,
        reference::make_maximal_ode_step, rebuilt_step_settings(), hinge_rows_cfm},
       {"mechanism-cvode", "Simbody's equations of a tree", "SUNDIALS CVODE, Adams: the reference of trees of bodies", 0,
-       tight.rtol, tight.atol, any_chain | driven_bodies | Features{Feature::ground, Feature::rare_shapes},
+       tight.rtol, tight.atol,
+       any_chain | driven_bodies | Features{Feature::ground, Feature::rare_shapes, Feature::axis_motors},
        reference::mechanism_cvode, tolerance_settings(), mass_matrix,
        "this build has no Simbody (libsimbody-dev); scripts/install-deps installs it, then configure again"},
       {"analytic", "closed form", "elliptic functions and the like", 0, 0, 0, closed_form, reference::make_analytic,

@@ -114,7 +114,11 @@ void add_joint_of_tree(Section section, const JointTable& joint) {
     section.add("stops", std::vector{joint.stop->low, joint.stop->high})
         .add("stop_restitution", joint.stop->restitution);
   }
-  if (joint.motor) section.add("motor.velocity", joint.motor->speed).add("motor.force", joint.motor->most);
+  for (std::size_t k = 0; k < joint.motors.size(); ++k) {
+    const std::string key = motor_keys[k];
+    const auto& motor = joint.motors[k];
+    if (motor) section.add((key + ".velocity").c_str(), motor->speed).add((key + ".force").c_str(), motor->most);
+  }
 }
 
 void add_strut(Section section, const StrutTable& strut) {

@@ -64,9 +64,10 @@ struct JointTable {
   std::string child;
   std::string name = {};  // empty: "joint" and its number, from 1
   // As in a Joint, but of the child against the parent.
-  std::optional<Motor> motor = {};
+  std::array<std::optional<Motor>, 3> motors = {};  // tables motor, motor2 and motor3; the last two of several motions
   std::optional<Stop> stop = {};
 };
+inline constexpr std::array motor_keys{"motor", "motor2", "motor3"};
 
 /// One table [[springs]], [[torques]] or [[controllers]]: what acts, and the name of the joint that it acts on.
 template <class Load>

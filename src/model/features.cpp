@@ -9,7 +9,7 @@
 namespace odeval {
 namespace {
 
-constexpr std::array<std::string_view, 19> names{
+constexpr std::array<std::string_view, 20> names{
     "bodies in space",
     "more than one link",
     "more than two links",
@@ -29,9 +29,10 @@ constexpr std::array<std::string_view, 19> names{
     "joints piston, pr, pu, hinge2 or plane2d",
     "struts",
     "contacts of cylinders, capsules or several shapes of a body",
+    "motors of joints with several motions",
 };
 
-static_assert(names.size() == static_cast<std::size_t>(Feature::rare_shapes) + 1, "a name for each");
+static_assert(names.size() == static_cast<std::size_t>(Feature::axis_motors) + 1, "a name for each");
 
 void add_of_links(Features& asked, std::size_t links, bool touching) {
   if (links > 1) asked.add(Feature::several_links);
@@ -96,6 +97,7 @@ Features features_of(const Scenario& scenario) {
   for (const Joint& joint : mechanism.joints) {
     if (joint.opening_m != Vec3{}) asked.add(Feature::open_joints);
     if (joint.motor) asked.add(Feature::motors);
+    if (!joint.motors.empty()) asked.add(Feature::axis_motors);
     if (joint.stop) asked.add(Feature::stops);
     if (joint.stop && joint.stop->restitution > 0) asked.add(Feature::bouncing_stops);
     if (joint.loaded()) asked.add(Feature::loads);

@@ -22,6 +22,7 @@ struct JointWord {
   JointKind (*make)(const JointTable&);
   Carries parent = Carries::anything;
   bool suspended = false;  // whether it has a suspension
+  int motors = 0;          // of one that is not `driven`: how many tables motor, motor2, motor3 it may have
 };
 
 /// The one table of them.
@@ -41,28 +42,32 @@ inline constexpr std::array joint_words{
                 // put_bodies.cpp.
                 return table.parent == world_name ? JointKind(UniversalJoint{table.anchor_m, table.axis2, table.axis})
                                                   : JointKind(UniversalJoint{table.anchor_m, table.axis, table.axis2});
-              }},
+              },
+              Carries::anything, false, 2},
     JointWord{"fixed", 0, false, false, [](const JointTable& table) { return JointKind(FixedJoint{table.anchor_m}); }},
     JointWord{"piston", 1, false, false,
               [](const JointTable& table) {
                 return JointKind(PistonJoint{table.anchor_m, table.axis});
-              }},
+              },
+              Carries::anything, false, 2},
     JointWord{"pr", 2, false, false,
               [](const JointTable& table) {
                 return JointKind(SlidingHingeJoint{table.anchor_m, table.axis, table.axis2});
-              }},
+              },
+              Carries::anything, false, 2},
     JointWord{"pu", 3, false, false,
               [](const JointTable& table) {
                 const bool on_world = table.parent == world_name;  // as of a universal joint
                 return JointKind(SlidingUniversalJoint{table.anchor_m, table.axis, on_world ? table.axis3 : table.axis2,
                                                        on_world ? table.axis2 : table.axis3});
-              }},
+              },
+              Carries::anything, false, 3},
     JointWord{"hinge2", 2, false, false,
               [](const JointTable& table) {
                 return JointKind(
                     Hinge2Joint{table.anchor_m, table.axis, table.axis2, table.suspension[0], table.suspension[1]});
               },
-              Carries::a_body, true},
+              Carries::a_body, true, 2},
     JointWord{"plane2d", 0, false, false, [](const JointTable& table) { return JointKind(PlaneJoint{table.anchor_m}); },
               Carries::the_world},
 };

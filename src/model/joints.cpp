@@ -158,11 +158,22 @@ void settle_axes(Draft& draft, std::size_t number) {
   }
 }
 
-/// Motors and stops are of joints with one way to go, which starts between its stops.
+void check_motors(const Draft& draft, std::size_t number) {
+  const JointTable& joint = draft.said.joints[number];
+  for (std::size_t k = joint.kind->driven ? 1 : static_cast<std::size_t>(joint.kind->motors); k < joint.motors.size();
+       ++k) {
+    if (!joint.motors[k]) continue;
+    draft.fail(path_of("joints", number, motor_keys[k]), "",
+               fmt::format("has no meaning for kind {}; remove it", joint.kind->word), Draft::Blame::parts);
+  }
+}
+
+/// Stops are of joints with one way to go, which starts between them.
 void check_drive(const Draft& draft, std::size_t number) {
+  check_motors(draft, number);
   const JointTable& joint = draft.said.joints[number];
   const toml::table& table = *draft.tree["joints"][number].as_table();
-  for (const char* key : {"motor", "stops", "stop_restitution"}) {
+  for (const char* key : {"stops", "stop_restitution"}) {
     if (!table.contains(key) || joint.kind->driven) continue;
     draft.fail(path_of("joints", number, key), "",
                fmt::format("has no meaning for kind {}, but for a hinge or a slider; remove it", joint.kind->word),

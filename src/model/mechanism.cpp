@@ -67,6 +67,31 @@ Vec3 uniform_moments_kgm2(const Shape& shape, double mass_kg) {
       shape);
 }
 
+std::vector<Driveable> driveable_of(const JointKind& kind) {
+  using List = std::vector<Driveable>;
+  const auto turn = [](const Vec3& axis) { return Driveable{false, axis}; };
+  const auto way = [](const Vec3& axis) { return Driveable{true, axis}; };
+  return std::visit(Overloaded{[](const BallJoint&) { return List{}; }, [](const HingeJoint&) { return List{}; },
+                               [](const SliderJoint&) { return List{}; }, [](const FixedJoint&) { return List{}; },
+                               [](const PlaneJoint&) { return List{}; },
+                               [&](const UniversalJoint& joint) {
+                                 return List{turn(joint.axis1), turn(joint.axis2)};
+                               },
+                               [&](const PistonJoint& joint) {
+                                 return List{way(joint.axis), turn(joint.axis)};
+                               },
+                               [&](const SlidingHingeJoint& joint) {
+                                 return List{way(joint.axis1), turn(joint.axis2)};
+                               },
+                               [&](const SlidingUniversalJoint& joint) {
+                                 return List{way(joint.way), turn(joint.axis1), turn(joint.axis2)};
+                               },
+                               [&](const Hinge2Joint& joint) {
+                                 return List{turn(joint.axis1), turn(joint.axis2)};
+                               }},
+                    kind);
+}
+
 std::vector<Part> Body::parts() const { return several.empty() ? std::vector{Part{shape}} : several; }
 
 std::size_t Body::long_axis() const {

@@ -127,6 +127,7 @@ Signal turned_round(Signal signal) {
 /// The same motor, stop and loads told of the second body against the first.
 Joint turned_round(Joint joint) {
   if (joint.motor) joint.motor->speed = -joint.motor->speed;
+  for (AxisMotor& each : joint.motors) each.motor.speed = -each.motor.speed;
   if (joint.stop) *joint.stop = {-joint.stop->high, -joint.stop->low, joint.stop->restitution};
   for (JointSpring& spring : joint.springs) spring.rest = -spring.rest;
   for (Signal& torque : joint.torques) torque = turned_round(torque);
@@ -143,6 +144,22 @@ std::vector<Load> loads_of(const std::string& joint, const std::vector<LoadTable
   return loads;
 }
 
+/// Of a kind with several motions. The axes of a universal joint on the world change places: joint_kinds.hpp.
+std::vector<AxisMotor> axis_motors(const JointTable& table) {
+  std::vector<AxisMotor> motors;
+  if (table.kind->driven) return motors;
+  const auto last = static_cast<std::size_t>(table.kind->motors);
+  const std::vector<Driveable> motions = driveable_of(table.kind->make(table));
+  for (std::size_t k = 0; k < last; ++k) {
+    if (!table.motors[k]) continue;
+    const bool turns_of_two = !motions[k].slides && last > 1 && !motions[last - 1].slides && !motions[last - 2].slides;
+    const bool other = turns_of_two && table.kind->parent == Carries::anything && table.parent == world_name;
+    const std::size_t motion = other ? (last - 1) + (last - 2) - k : k;
+    motors.push_back({motion, *table.motors[k], motor_keys[k]});
+  }
+  return motors;
+}
+
 /// The parent is the joint's first body, or its second where it is the world, which is never the first.
 Joint joint_of_tree(const Description& said, const JointTable& table) {
   const std::size_t child = said.body_named(table.child).value();
@@ -150,12 +167,13 @@ Joint joint_of_tree(const Description& said, const JointTable& table) {
   Joint joint{.kind = table.kind->make(table),
               .first = child,
               .second = {},
-              .motor = table.motor,
+              .motor = table.kind->driven ? table.motors[0] : std::nullopt,
               .stop = table.stop,
               .springs = loads_of(table.name, said.springs),
               .torques = loads_of(table.name, said.torques),
               .controllers = loads_of(table.name, said.controllers),
-              .name = table.name};
+              .name = table.name,
+              .motors = axis_motors(table)};
   if (!parent) return joint;
   joint.first = *parent;
   joint.second = child;

@@ -110,7 +110,9 @@ void read_table(Draft& draft, const toml::table& table, std::string_view section
 void read_inner(Draft& draft, const std::string& section, const toml::node& node, const std::string& path) {
   const toml::table* const table = node.as_table();
   if (table == nullptr) draft.fail(path, shown(node), fmt::format("must be a table [{}]", section));
-  draft.said.joints.back().motor.emplace();
+  for (std::size_t k = 0; k < motor_keys.size(); ++k) {
+    if (section == joined("joints", motor_keys[k])) draft.said.joints.back().motors[k].emplace();
+  }
   read_table(draft, *table, section, path);
 }
 

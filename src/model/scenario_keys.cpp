@@ -182,10 +182,18 @@ constexpr KeyRow rows[] = {
       [](D& d, S&, const V& v) { stop_of(d).low = v.numbers[0]; stop_of(d).high = v.numbers[1]; }, 2},
   {"joints", "stop_restitution", number, "", 0, 1,     false, nullptr, "0", "speed after striking a stop over speed before",
       [](D& d, S&, const V& v) { stop_of(d).restitution = v.number; }},
-  {"joints.motor", "velocity", number, "rad/s or m/s", -1e3, 1e3, false, nullptr, "", "that it keeps, the child against the parent",
-      [](D& d, S&, const V& v) { d.joints.back().motor->speed = v.number; }},
+  {"joints.motor", "velocity", number, "rad/s or m/s", -1e3, 1e3, false, nullptr, "", "that it keeps, the child against the parent; of a joint with several axes about or along `axis`, of a piston along it",
+      [](D& d, S&, const V& v) { d.joints.back().motors[0]->speed = v.number; }},
   {"joints.motor", "force", number, "N m or N", 0, 1e9, false, nullptr, "", "that it has at most",
-      [](D& d, S&, const V& v) { d.joints.back().motor->most = v.number; }},
+      [](D& d, S&, const V& v) { d.joints.back().motors[0]->most = v.number; }},
+  {"joints.motor2", "velocity", number, "rad/s", -1e3, 1e3, false, nullptr, "", "likewise, about `axis2`, of a piston about `axis`",
+      [](D& d, S&, const V& v) { d.joints.back().motors[1]->speed = v.number; }},
+  {"joints.motor2", "force", number, "N m", 0, 1e9, false, nullptr, "", "that it has at most",
+      [](D& d, S&, const V& v) { d.joints.back().motors[1]->most = v.number; }},
+  {"joints.motor3", "velocity", number, "rad/s", -1e3, 1e3, false, nullptr, "", "likewise, about `axis3`",
+      [](D& d, S&, const V& v) { d.joints.back().motors[2]->speed = v.number; }},
+  {"joints.motor3", "force", number, "N m", 0, 1e9, false, nullptr, "", "that it has at most",
+      [](D& d, S&, const V& v) { d.joints.back().motors[2]->most = v.number; }},
 
   {"springs", "joint",     label,  "",                 0, 0,      false, nullptr, "", "name of a hinge or a slider",
       [](D& d, S&, const V& v) { d.springs.back().joint = v.word; }},
@@ -338,10 +346,11 @@ constexpr KeyRow rows[] = {
 // clang-format on
 
 constexpr SectionRow sections[] = {
-    {"links", true},         {"wall", false},    {"bodies", true},   {"shapes", true},      {"joints", true},
-    {"joints.motor", false}, {"springs", true},  {"torques", true},  {"controllers", true}, {"struts", true},
-    {"planes", true},        {"contacts", true}, {"ground", false},  {"joint", false},      {"ode", false},
-    {"bullet", false},       {"mujoco", false},  {"maximal", false}, {"tolerances", true}};
+    {"links", true},         {"wall", false},          {"bodies", true},         {"shapes", true},   {"joints", true},
+    {"joints.motor", false}, {"joints.motor2", false}, {"joints.motor3", false}, {"springs", true},  {"torques", true},
+    {"controllers", true},   {"struts", true},         {"planes", true},         {"contacts", true}, {"ground", false},
+    {"joint", false},        {"ode", false},           {"bullet", false},        {"mujoco", false},  {"maximal", false},
+    {"tolerances", true}};
 
 }  // namespace
 

@@ -55,7 +55,8 @@ std::string motors_table(const std::vector<RunSummary>& runs) {
   for (const RunSummary& run : runs) {
     for (const MotorUse& motor : run.outcome.motors) {
       any = true;
-      table.add({name_of(run, motor.joint), run.method, fmt::format("{:.3g}", 100 * motor.share),
+      table.add({name_of(run, motor.joint) + (motor.key.empty() ? "" : " " + motor.key), run.method,
+                 fmt::format("{:.3g}", 100 * motor.share),
                  motor.first_s ? fmt::format("{:.6g}", *motor.first_s) : "-"});
     }
   }
@@ -157,6 +158,7 @@ void put_parts(nlohmann::ordered_json& json, const RunSummary& run) {
       json["motors"].push_back({{"joint", joints[motor.joint].name},
                                 {"share_at_limit", json_number(motor.share)},
                                 {"at_limit_from", number(motor.first_s)}});
+      if (!motor.key.empty()) json["motors"].back()["motor"] = motor.key;
     }
     json["strikes"] = Json::array();
     for (const StopStrike& strike : run.outcome.strikes) {

@@ -475,8 +475,10 @@ void bad_drives() {
         "joints.0.motor.power = 3: is no known key");
   wrong("motor = {velocity = 2, force = 7}", "motor = 7", "joints.0.motor = 7: must be a table [joints.motor]");
   wrong("name = \"base\"", "name = \"joint2\"", "joints.1.name = joint2: is the name of joints.0 as well");
-  wrong("axis2 = [0, 1e-7, 3]", "axis2 = [0, 1e-7, 3]\nmotor = {velocity = 2, force = 7}",
-        "joints.2.motor has no meaning for kind universal");
+  wrong("axis2 = [0, 1e-7, 3]", "axis2 = [0, 1e-7, 3]\nmotor3 = {velocity = 2, force = 7}",
+        "joints.2.motor3 has no meaning for kind universal");
+  wrong("motor = {velocity = 2, force = 7}", "motor2 = {velocity = 2, force = 7}",
+        "joints.0.motor2 has no meaning for kind");
   wrong("joint = \"base\"", "joint = \"bass\"",
         "controllers.1.joint = bass: is the name of no joint (nearest: 'base')");
   wrong("joint = \"base\"", "joint = \"joint3\"",

@@ -246,6 +246,8 @@ std::string_view words_of(Feature feature) {
       return "struts";
     case Feature::rare_shapes:
       return "contacts of cylinders, capsules or several shapes of a body";
+    case Feature::axis_motors:
+      return "motors of joints with several motions";
   }
   return "";
 }

@@ -244,6 +244,12 @@ const std::vector<Case> cases{
     {"three_link_arm", "joints.1.kind=\"pr\"", {"joints.1.axis2=[1,0,0],[0,0,1]"}, {}},
     {"three_link_arm", "joints.1.kind=\"pu\"", {"joints.1.axis3=[0,0,1],[0,1,1]"}, {}},
     {"three_link_arm", "joints.1.kind=\"hinge2\"", {"joints.1.suspension=[100,1],[200,1]"}, {}},
+    {"three_link_arm",
+     "joints.1={kind=\"pu\", parent=\"shoulder\", child=\"upper\", anchor=[0,0,1], motor2={velocity=1, force=1}, "
+     "motor3={velocity=1, force=1}}",
+     {"joints.1.motor2.velocity=1,2", "joints.1.motor2.force=1,2", "joints.1.motor3.velocity=1,2",
+      "joints.1.motor3.force=1,2"},
+     {}},
     {"iftomm_governor",
      "duration=0.001",
      {"struts.0.stiffness=8e5,7e5", "struts.0.damping=4e4,3e4", "struts.0.rest=0.5,0.51",
@@ -365,8 +371,9 @@ std::string key_of(const std::string& axis) {
 
 /// What a build without Simbody has no reference for.
 const std::set<std::string_view> mechanisms{"three_link_arm", "cart_pole", "acrobot", "iftomm_governor"};
-const std::set<std::string_view> of_mechanisms{"joints", "joints.motor", "springs",  "torques", "controllers",
-                                               "struts", "planes",       "contacts", "shapes"};
+const std::set<std::string_view> of_mechanisms{"joints",  "joints.motor2", "joints.motor3", "joints.motor",
+                                               "springs", "torques",       "controllers",   "struts",
+                                               "planes",  "contacts",      "shapes"};
 const std::set<std::string_view> keys_of_mechanisms{"bodies.inertia", "limit"};
 
 void runs_share_the_reference_of_their_motion(const fs::path& dropped) {

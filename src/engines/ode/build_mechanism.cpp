@@ -211,12 +211,27 @@ struct Drive {
   const Joint& what;
 
   void operator()(const BallJoint&) const { refuse("a ball joint"); }
-  void operator()(const UniversalJoint&) const { refuse("a universal joint"); }
   void operator()(const FixedJoint&) const { refuse("a fixed joint"); }
-  void operator()(const PistonJoint&) const { refuse("a piston joint"); }
-  void operator()(const SlidingHingeJoint&) const { refuse("a PR joint"); }
-  void operator()(const SlidingUniversalJoint&) const { refuse("a PU joint"); }
-  void operator()(const Hinge2Joint&) const { refuse("a hinge2 joint"); }
+  void operator()(const UniversalJoint&) const {
+    refuse("a universal joint");
+    set_motors(dJointSetUniversalParam, {0, 1});
+  }
+  void operator()(const PistonJoint&) const {
+    refuse("a piston joint");
+    set_motors(dJointSetPistonParam, {0, 1});
+  }
+  void operator()(const SlidingHingeJoint&) const {
+    refuse("a PR joint");
+    set_motors(dJointSetPRParam, {0, 1});
+  }
+  void operator()(const SlidingUniversalJoint&) const {
+    refuse("a PU joint");
+    set_motors(dJointSetPUParam, {2, 0, 1});  // ODE's third is the way
+  }
+  void operator()(const Hinge2Joint&) const {
+    refuse("a hinge2 joint");
+    set_motors(dJointSetHinge2Param, {0, 1});
+  }
   void operator()(const PlaneJoint&) const { refuse("a plane2d joint"); }
   void operator()(const SliderJoint&) const { set(dJointSetSliderParam); }
   void operator()(const HingeJoint&) const {
@@ -229,6 +244,14 @@ struct Drive {
   }
 
  private:
+  /// `groups` are ODE's numbers of the motions.
+  void set_motors(void (*set_parameter)(dJointID, int, dReal), std::initializer_list<int> groups) const {
+    for (const AxisMotor& each : what.motors) {
+      const int group = dParamGroup * groups.begin()[each.motion];
+      set_parameter(joint, group + dParamVel, real(each.motor.speed));
+      set_parameter(joint, group + dParamFMax, real(each.motor.most));
+    }
+  }
   void set(void (*set_parameter)(dJointID, int, dReal)) const {
     if (what.motor) {
       set_parameter(joint, dParamVel, real(what.motor->speed));

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "engines/ode/library.hpp"
+
 namespace odeval::engine_ode {
 namespace {
 
@@ -15,6 +17,39 @@ Vec3 told_by(dJointID joint, void (*get)(dJointID, dVector3)) {
   get(joint, told);
   return vector(told);
 }
+
+/// A motion of a joint with several that a motor drives: its axis now, and a point of it that both bodies share.
+struct Moved {
+  Vec3 axis;
+  Vec3 at;
+};
+struct FindMoved {
+  dJointID joint;
+  std::size_t motion;  // of driveable_of
+
+  Moved operator()(const UniversalJoint&) const {
+    return {told_by(joint, motion == 0 ? dJointGetUniversalAxis1 : dJointGetUniversalAxis2),
+            told_by(joint, dJointGetUniversalAnchor)};
+  }
+  Moved operator()(const PistonJoint&) const {
+    return {told_by(joint, dJointGetPistonAxis), told_by(joint, dJointGetPistonAnchor2)};
+  }
+  Moved operator()(const SlidingHingeJoint&) const {
+    return {told_by(joint, motion == 0 ? dJointGetPRAxis1 : dJointGetPRAxis2), told_by(joint, dJointGetPRAnchor)};
+  }
+  Moved operator()(const SlidingUniversalJoint&) const {
+    const auto axis = motion == 0 ? dJointGetPUAxisP : motion == 1 ? dJointGetPUAxis1 : dJointGetPUAxis2;
+    return {told_by(joint, axis), told_by(joint, dJointGetPUAnchor)};
+  }
+  Moved operator()(const Hinge2Joint&) const {
+    return {told_by(joint, motion == 0 ? dJointGetHinge2Axis1 : dJointGetHinge2Axis2),
+            told_by(joint, dJointGetHinge2Anchor)};
+  }
+  template <class Other>
+  Moved operator()(const Other&) const {
+    throw Fault("a joint without several motions");
+  }
+};
 
 double place_of(dJointID joint, bool turns) {
   return turns ? dJointGetHingeAngle(joint) : dJointGetSliderPosition(joint);
@@ -34,7 +69,10 @@ Ledger::Ledger(const Scenario& scenario, Scene& scene)
   for (std::size_t i = 0; i < mechanism_.bodies.size(); ++i) numbers_[body(i).position] = i;
   for (std::size_t j = 0; j < mechanism_.joints.size(); ++j) {
     const Joint& joint = mechanism_.joints[j];
-    if (joint.driven()) driven_.push_back({j, std::holds_alternative<HingeJoint>(joint.kind)});
+    for (const AxisMotor& each : joint.motors) {
+      driven_.push_back({j, !driveable_of(joint.kind)[each.motion].slides, each});
+    }
+    if (joint.motors.empty() && joint.driven()) driven_.push_back({j, std::holds_alternative<HingeJoint>(joint.kind)});
     if (std::holds_alternative<Hinge2Joint>(joint.kind)) suspensions_.push_back({j, {}});
   }
 }
@@ -55,6 +93,11 @@ Ledger::Row Ledger::pair(std::size_t first, std::optional<std::size_t> second, c
 Ledger::Row Ledger::axis_of(const Driven& joint) const {
   const Joint& what = mechanism_.joints[joint.number];
   const dJointID made = scene_.joint(joint.number);
+  if (joint.motor) {
+    const auto [axis, at] = std::visit(FindMoved{made, joint.motor->motion}, what.kind);
+    if (joint.turns) return {what.first, what.second, {}, axis, Vec3{} - axis};
+    return pair(what.first, what.second, {at, at}, axis);
+  }
   if (joint.turns) {
     const Vec3 axis = told_by(made, dJointGetHingeAxis);
     return {what.first, what.second, {}, axis, Vec3{} - axis};
@@ -95,8 +138,11 @@ void Ledger::before_step(double t) {
   for (Driven& joint : driven_) {
     joint.row = axis_of(joint);
     if (joint.turns) {
-      const Vec3 anchor = told_by(scene_.joint(joint.number), dJointGetHingeAnchor);
-      joint.lever = arm(mechanism_.joints[joint.number].first, anchor);
+      const dJointID made = scene_.joint(joint.number);
+      const Joint& what = mechanism_.joints[joint.number];
+      const Vec3 anchor = joint.motor ? std::visit(FindMoved{made, joint.motor->motion}, what.kind).at
+                                      : told_by(made, dJointGetHingeAnchor);
+      joint.lever = arm(what.first, anchor);
     }
     if (mechanism_.joints[joint.number].loaded()) joint.loads = scene_.loads().by_kind(next++, t);
     see_stop(joint);
@@ -114,7 +160,11 @@ void Ledger::before_step(double t) {
   }
 }
 
-/// What a hinge or a slider gives along its axis: its other rows have nothing there.
+std::optional<Motor> Ledger::motor_of(const Driven& joint) const {
+  return joint.motor ? joint.motor->motor : mechanism_.joints[joint.number].motor;
+}
+
+/// What a joint gives along the axis of a motion: its rows that hold have nothing there.
 double Ledger::feedback_along(const Driven& joint) const {
   const dJointFeedback& told = scene_.feedback(joint.number);
   const Vec3 force = vector(told.f1);
@@ -125,20 +175,21 @@ double Ledger::feedback_along(const Driven& joint) const {
 // A motor that presses on while its stop acts does so beside ODE's equations, with all it has (joint.cpp: addLimot).
 void Ledger::drive(Driven& joint) {
   const Joint& what = mechanism_.joints[joint.number];
+  const std::optional<Motor> motor = motor_of(joint);
   const double mean = step_s_ * rate(joint.row, mean_);
   const double told = feedback_along(joint);
   const bool stopped = joint.at_low || joint.at_high;
-  const bool driven = what.motor && what.motor->most > 0 && !(stopped && what.stop->low == what.stop->high);
+  const bool driven = motor && motor->most > 0 && !(stopped && what.stop->low == what.stop->high);
   joint.total = told;
-  double motor = stopped ? 0 : told;
+  double push = stopped ? 0 : told;
   if (stopped) {
     of(works_, Work::stops) += told * mean;
-    const bool forwards = driven && (what.motor->speed > 0 || (what.motor->speed == 0 && joint.at_high));
-    if (driven) motor = forwards ? what.motor->most : -what.motor->most;
-    joint.total += motor;
+    const bool forwards = driven && (motor->speed > 0 || (motor->speed == 0 && joint.at_high));
+    if (driven) push = forwards ? motor->most : -motor->most;
+    joint.total += push;
   }
-  of(works_, Work::motors) += motor * mean;
-  if (driven && std::fabs(motor) >= what.motor->most * (1 - tolerance_)) {
+  of(works_, Work::motors) += push * mean;
+  if (driven && std::fabs(push) >= motor->most * (1 - tolerance_)) {
     ++joint.at_limit;
     if (!joint.first_s) joint.first_s = t_;
   }
@@ -215,9 +266,9 @@ void Ledger::record_loads(Sample sample) const {
 void Ledger::tell(Outcome& outcome) const {
   outcome.strikes = strikes_;
   for (const Driven& joint : driven_) {
-    if (!mechanism_.joints[joint.number].motor || steps_ == 0) continue;
+    if (!motor_of(joint) || steps_ == 0) continue;
     const double share = static_cast<double>(joint.at_limit) / static_cast<double>(steps_);
-    outcome.motors.push_back({joint.number, share, joint.first_s});
+    outcome.motors.push_back({joint.number, share, joint.first_s, joint.motor ? joint.motor->key : ""});
   }
 }
 

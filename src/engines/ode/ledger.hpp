@@ -51,13 +51,14 @@ class Ledger {
   struct Driven {
     std::size_t number;  // of the joint
     bool turns;
-    Row row{};             // in the step
-    Vec3 lever{};          // of a hinge, from the first body's centre to the anchor, likewise
-    Works loads{};         // likewise
-    double total = 0;      // along the joint, likewise
-    bool at_low = false;   // its stop acts in the step
-    bool at_high = false;  // likewise
-    long at_limit = 0;     // steps in which the motor gave all it has
+    std::optional<AxisMotor> motor = {};  // of one of several motions
+    Row row{};                            // in the step
+    Vec3 lever{};                         // of a hinge, from the first body's centre to the anchor, likewise
+    Works loads{};                        // likewise
+    double total = 0;                     // along the joint, likewise
+    bool at_low = false;                  // its stop acts in the step
+    bool at_high = false;                 // likewise
+    long at_limit = 0;                    // steps in which the motor gave all it has
     std::optional<double> first_s = {};
   };
   struct Damper {
@@ -71,6 +72,7 @@ class Ledger {
   Row pair(std::size_t first, std::optional<std::size_t> second, const std::array<Vec3, 2>& at,
            const Vec3& along) const;
   Row axis_of(const Driven& joint) const;
+  std::optional<Motor> motor_of(const Driven& joint) const;
   double rate(const Row& row, const std::vector<Twist>& twists) const;
   double feedback_along(const Driven& joint) const;
   void see_stop(Driven& joint);
