@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "catalogue/keeping.hpp"
+#include "catalogue/methods.hpp"
 #include "catalogue/timing.hpp"
 #include "experiments/all.hpp"
 #include "experiments/parts.hpp"
@@ -222,19 +223,26 @@ void time_all(std::span<Answer> answers, double duration_s) {
   for (std::size_t i = 0; i < runs.size(); ++i) timed[i]->us_per_s = 1e6 * runs[i].median_s() / duration_s;
 }
 
-/// What has to be typed for that run.
-std::string command_of(const Task& task, const Bench& bench, const Answer& answer) {
+bool reads(const Bench& bench, const Answer& answer, std::string_view key) {
+  return catalogue::reads(*answer.method, key, bench.scenario());
+}
+
+/// What has to be typed for that run. `run` refuses what its method does not read.
+std::string command_of(const Task& task, const Bench& bench, const Answer& answer, std::string_view settings) {
   const Scenario& scenario = bench.scenario();
   const OdeSettings& ode = answer.kept.ode;
   std::string command =
       fmt::format("odeval run {}{} --method {} --duration {} --step {}{}", scenario.name, task.flags,
                   answer.method->name, number_text(scenario.duration_s), number_text(answer.kept.step_s),
                   task.every_step ? "" : " --sample " + number_text(rows_s));
-  if (ode.erp != scenario.ode.erp) command += " --erp " + number_text(ode.erp);
-  if (ode.cfm != scenario.ode.cfm) command += " --cfm " + number_text(ode.cfm);
-  if (ode.start == Start::half_step) command += " --start half-step";
-  if (ode.friction_axes != scenario.ode.friction_axes) command += " --set ode.friction_axes=sliding";
-  return command + " --out results/proofs";  // the report's own have other settings
+  const auto add = [&](std::string_view key, bool differs, const std::string& flag) {
+    if (differs && reads(bench, answer, key)) command += flag;
+  };
+  add("ode.erp", ode.erp != scenario.ode.erp, " --erp " + number_text(ode.erp));
+  add("ode.cfm", ode.cfm != scenario.ode.cfm, " --cfm " + number_text(ode.cfm));
+  add("ode.start", ode.start != scenario.ode.start, " --start half-step");
+  add("ode.friction_axes", ode.friction_axes != scenario.ode.friction_axes, " --set ode.friction_axes=sliding");
+  return command + fmt::format(" --out proofs/{}-{}", task.name, settings);  // a folder holds one setting of a method
 }
 
 /// What is changed besides step, ERP and CFM.
@@ -321,10 +329,14 @@ std::vector<report::Cell> row_of(const Task& task, const Bench& bench, const Ans
   const Answer& best = all.best();
   const Kept& kept = best.kept;
   const Small small(task);
+  const auto read = [&](std::string_view key, double value) -> report::Cell {
+    if (best.kept.keeps && !reads(bench, best, key)) return report::Missing{"no joint or contact that would read it"};
+    return cell_of(best, value);
+  };
   return {std::string(task.text),
           cell_of(best, 1e3 * kept.step_s),
-          cell_of(best, kept.ode.erp),
-          cell_of(best, kept.ode.cfm),
+          read("ode.erp", kept.ode.erp),
+          read("ode.cfm", kept.ode.cfm),
           also(best),
           best.method == nullptr || best.method->name == direct ? "dWorldStep" : "dWorldQuickStep",
           fmt::format("{} {}, {} s", shown(small(task.budget)), small.unit, shown(bench.scenario().duration_s)),
@@ -337,6 +349,60 @@ std::vector<report::Cell> row_of(const Task& task, const Bench& bench, const Ans
           cell_of(all.accurate, all.accurate.us_per_s)};
 }
 
+/// Every run of the table, where its error stands, and what it has to keep.
+void add_proofs(const Task& task, const Bench& bench, const Answered& all, report::Table& proofs) {
+  const Quantity& quantity = quantities[task.quantity];
+  for (const auto& [answer, settings, text] : {std::tuple{&all.best(), "best", "ODE's best"},
+                                               {&all.plain, "defaults", "ODE's defaults"},
+                                               {&all.accurate, "accurate", "accurate step"}}) {
+    if (!answer->kept.keeps) continue;
+    proofs.evidence.emplace_back(task.evidence);
+    proofs.rows.push_back({std::string(task.text), std::string(text), command_of(task, bench, *answer, settings),
+                           std::string(quantity.name), answer->kept.error, task.budget, std::string(quantity.unit)});
+  }
+}
+
+/// What the settings that keep the error on one arm leave on others.
+report::Table other_arms(Laboratory& laboratory, const Kept& kept, Findings& findings) {
+  report::Table table{.name = "answer-arms",
+                      .columns = {"scenario", "until, s", "error, mrad", "error at a finer step, mrad",
+                                  "error of the accurate step at the same step, mrad", "± mrad"}};
+  double most = 0;
+  for (const auto& [name, file] :
+       {std::pair{"three_link", "three_link_arm"}, {"acrobot", "acrobot"}, {"puma", "puma560_falling"}}) {
+    const std::string finding = fmt::format("answer.arm_of_{}", name);
+    const std::string meaning = fmt::format("angle error of the settings for the double pendulum on {}", file);
+    try {
+      const double until_s = tasks.front().of(laboratory).duration_s;
+      const auto error = [&](std::string_view method, double step_s, const OdeSettings& ode) {
+        Scenario scenario = until(laboratory.scenario(file), until_s);
+        scenario.step_s = step_s;  // of its controller as well, and so of the reference
+        scenario.sample_s = rows_s;
+        scenario.ode = ode;
+        catalogue::Evaluator evaluator(std::move(scenario));
+        const Metrics metrics = evaluator.measure(evaluator.evaluate(*available(method), ode), until_s);
+        return std::pair{1e3 * metrics[quantity::max_error_turn].value_or(NAN),
+                         1e3 * metrics[quantity::turn_uncertainty].value_or(NAN)};
+      };
+      const auto [off, known] = error(direct, kept.step_s, kept.ode);
+      const double accurately = error(accurate, kept.step_s, kept.ode).first;
+      most = std::max(most, accurately);
+      findings.add(finding, measured(meaning, "mrad", off, known));
+      table.rows.push_back({std::string(file), until_s, finite_cell(off),
+                            finite_cell(error(direct, kept.step_s / 2, kept.ode).first), finite_cell(accurately),
+                            finite_cell(known)});
+    } catch (const UserError& error) {  // the build lacks the reference of trees
+      findings.add(finding, unavailable(meaning, "mrad", error.what()));
+      std::vector<report::Cell> row{std::string(file)};
+      row.resize(table.columns.size(), report::Missing{error.what()});
+      table.rows.push_back(std::move(row));
+    }
+  }
+  findings.add("answer.arms_accurate",
+               measured("largest angle error of the accurate step on those arms, at the same step", "mrad", most));
+  return table;
+}
+
 /// ODE's motion with the truth as an outline, until a time.
 report::Exhibit film(catalogue::Evaluator& evaluator, const catalogue::Evaluation& run, double until_s) try {
   constexpr int rate = 12;  // frames a second
@@ -345,9 +411,10 @@ report::Exhibit film(catalogue::Evaluator& evaluator, const catalogue::Evaluatio
   render::Studio studio(scenario, {30, 14, {}}, 420, 300, render::caption_font(), {});
   render::Film frames(rate, {{"scenario", scenario.name}, {"method", direct}});
   const double spacing = run.trace.t.at(1);
-  for (int frame = 0; frame <= rate * until_s; ++frame) {
-    const auto row = static_cast<std::size_t>(std::lround(frame / (rate * spacing)));
-    if (row >= run.trace.rows()) break;
+  const int last = static_cast<int>(rate * std::min(until_s, run.trace.t.back()));
+  for (int frame = -1; frame <= last; ++frame) {
+    // The last one first: it is what stands still in print, where both should be seen.
+    const auto row = static_cast<std::size_t>(std::lround((frame < 0 ? last : frame) / (rate * spacing)));
     const std::string label = fmt::format("t = {:.2f} s", run.trace.t[row]);
     frames.add(studio.frame(
         {render::pose_at(scenario, run.trace, row), render::pose_at(scenario, reference.trace, row), label},
@@ -385,53 +452,90 @@ report::Exhibit plain_arm(Laboratory& laboratory, Findings& findings) {
                measured("energy drift of dWorldStep until it is another motion" + about, "J", drift_J));
   findings.add("answer.energy_share", measured("that drift over the largest kinetic energy" + about, "",
                                                drift_J / std::ranges::max(pendulum.reference().trace.kinetic)));
-  const std::string ratio = "angle error in single over that in double precision" + until + about;
-  if (const catalogue::Method* const single = available("ode-step-single")) {
-    const catalogue::Evaluation rough = pendulum.evaluate(*single, defaults(scenario, true));
-    findings.add("answer.single_ratio",
-                 measured_ratio(ratio, error_until(pendulum, rough, early_s), error_until(pendulum, run, early_s),
-                                uncertainty_until(pendulum, run, early_s), uncertainty_until(pendulum, run, early_s)));
-  } else {
-    findings.add("answer.single_ratio", unavailable(ratio, "", std::string(catalogue::without_single_precision)));
-  }
   return film(pendulum, run, same_until + film_goes_on_s);
 }
 
-/// Of a whole motion.
-Metrics whole(const Scenario& scenario, double step_s, const OdeSettings& ode) {
-  Scenario changed = scenario;
-  changed.step_s = step_s;
-  catalogue::Evaluator evaluator(std::move(changed));
-  return evaluator.measure(evaluator.evaluate(*available(direct), ode), scenario.duration_s);
+/// Single beside double precision with the same settings, those of single precision, at smaller and smaller steps.
+report::Table precisions(Laboratory& laboratory, Findings& findings) {
+  constexpr std::array steps_s{1e-3, 5e-4, 2e-4, 1e-4};
+  report::Table table{.name = "answer-precision",
+                      .columns = {"step, ms", "error in double precision, mrad", "in single precision, mrad",
+                                  "single over double", "± mrad"}};
+  const catalogue::Method* const single = available("ode-step-single");
+  const Bench bench(tasks.front(), laboratory);
+  const double until_s = bench.scenario().duration_s;
+  for (const double step_s : steps_s) {
+    const OdeSettings ode = defaults(bench.scenario(), true);
+    const Kept twice = bench.tried(*available(direct), step_s, ode);
+    std::vector<report::Cell> row{1e3 * step_s, 1e3 * twice.error};
+    report::Finding ratio =
+        unavailable(fmt::format("angle error in single over that in double precision, double pendulum until {} s, "
+                                "h = {} s, CFM {}",
+                                shown(until_s), shown(step_s), shown(ode.cfm)),
+                    "", std::string(catalogue::without_single_precision));
+    if (single != nullptr) {
+      const Kept once = bench.tried(*single, step_s, ode);
+      ratio = measured_ratio(ratio.meaning, once.error, twice.error, once.uncertainty, twice.uncertainty);
+      row.insert(row.end(), {finite_cell(1e3 * once.error), finite_cell(ratio.value)});
+    } else {
+      row.resize(row.size() + 2, report::Missing{ratio.missing});
+    }
+    row.emplace_back(1e3 * twice.uncertainty);
+    table.rows.push_back(std::move(row));
+    if (step_s == steps_s.front()) findings.add("answer.single_ratio", std::move(ratio));
+    if (step_s == steps_s.back()) findings.add("answer.single_fine_ratio", std::move(ratio));
+  }
+  findings.add("answer.single_step", measured("step of the sentence on precision", "ms", 1e3 * steps_s.front()));
+  findings.add("answer.single_fine_step", measured("its smaller step", "ms", 1e3 * steps_s.back()));
+  findings.add("answer.single_until", measured("end of the sentence on precision", "s", until_s));
+  return table;
 }
 
-/// What an impact is off by in a program that sets nothing: the most at steps nearby.
-void plain_impact(Laboratory& laboratory, Findings& findings) {
+/// What impacts are off by in a program that sets nothing, at a step and at those nearby.
+report::Table plain_impacts(Laboratory& laboratory, Findings& findings) {
   const Scenario& scenario = laboratory.scenario("wall_pendulum");
-  const std::string about =
-      fmt::format(", link against a wall with ODE's defaults until {} s, steps within {} % of {} s",
-                  shown(scenario.duration_s), shown(catalogue::farthest_percent), shown(scenario.step_s));
-  const auto most = [&](const char* name, const char* unit, double scale, const char* what, quantity::Id metric,
-                        quantity::Id uncertainty) {
-    double largest = 0;
-    double off = 0;
-    std::vector<double> percents(catalogue::nearby_percents.begin(), catalogue::nearby_percents.end());
-    percents.push_back(0);
-    for (const double percent : percents) {
-      const Metrics metrics = whole(scenario, catalogue::moved(scenario.step_s, percent), defaults(scenario));
-      largest = std::max(largest, scale * metrics[metric].value_or(INFINITY));
-      off = std::max(off, scale * metrics[uncertainty].value_or(NAN));
-    }
-    findings.add(name, measured(what + about, unit, largest, off));
-  };
-  most("answer.impact_error", "ms", 1e3, "largest error of an impact's time", quantity::max_impact_error,
-       quantity::impact_uncertainty);
-  most("answer.impact_angle", "mrad", 1e3, "largest angle error", quantity::max_error_q,
-       quantity::reference_uncertainty);
-  most("answer.impact_steps", "", 1 / scenario.step_s, "largest error of an impact's time, in steps",
-       quantity::max_impact_error, quantity::impact_uncertainty);
+  report::Table table{
+      .name = "answer-impacts",
+      .columns = {"step, ms", "impacts", "error of the first one's time, ms", "of the worst one's time, ms",
+                  "the reference knows that to, ms", "angle error, mrad", "± mrad"}};
+  std::vector<double> percents(catalogue::nearby_percents.begin(), catalogue::nearby_percents.end());
+  percents.push_back(0);
+  std::ranges::sort(percents);
+  std::array<double, 7> most{};  // a column each
+  for (const double percent : percents) {
+    Scenario changed = scenario;
+    changed.step_s = catalogue::moved(scenario.step_s, percent);
+    catalogue::Evaluator evaluator(changed);
+    const catalogue::Evaluation run = evaluator.evaluate(*available(direct), defaults(scenario));
+    const Metrics metrics = evaluator.measure(run, scenario.duration_s);
+    const auto& impacts = run.outcome.impacts;
+    const auto& true_ones = evaluator.reference().impacts;
+    const std::array row{1e3 * changed.step_s,
+                         static_cast<double>(impacts.size()),
+                         impacts.empty() || true_ones.empty() ? NAN : 1e3 * std::fabs(impacts[0].t - true_ones[0].t),
+                         1e3 * metrics[quantity::max_impact_error].value_or(NAN),
+                         1e3 * metrics[quantity::impact_uncertainty].value_or(NAN),
+                         1e3 * metrics[quantity::max_error_q].value_or(NAN),
+                         1e3 * metrics[quantity::reference_uncertainty].value_or(NAN)};
+    for (std::size_t i = 0; i < row.size(); ++i) most[i] = std::isnan(row[i]) ? NAN : std::max(most[i], row[i]);
+    table.rows.emplace_back();
+    for (const double value : row) table.rows.back().push_back(finite_cell(value));
+  }
+  const std::string about = fmt::format(
+      ", link against a wall with ODE's defaults until {} s, the most of {} steps within {} % of {} s",
+      shown(scenario.duration_s), percents.size(), shown(catalogue::farthest_percent), shown(scenario.step_s));
+  findings.add("answer.impact_first", measured("error of the first impact's time" + about, "ms", most[2], most[4]));
+  findings.add("answer.impact_error", measured("largest error of an impact's time" + about, "ms", most[3], most[4]));
+  findings.add("answer.impact_angle", measured("largest angle error" + about, "mrad", most[5], most[6]));
+  findings.add("answer.impact_steps", measured("largest error of an impact's time, in steps" + about, "",
+                                               1e-3 * most[3] / scenario.step_s, 1e-3 * most[4] / scenario.step_s));
+  findings.add("answer.impacts", measured("impacts in that time", "", most[1]));
+  findings.add("answer.wall_steps",
+               measured("steps tried for the sentence on impacts", "", static_cast<double>(percents.size())));
+  findings.add("answer.wall_nearby", measured("how far from its step", "%", catalogue::farthest_percent));
   findings.add("answer.wall_step", measured("step of the sentence on impacts", "ms", 1e3 * scenario.step_s));
   findings.add("answer.wall_until", measured("end of the sentence on impacts", "s", scenario.duration_s));
+  return table;
 }
 
 }  // namespace
@@ -441,15 +545,19 @@ Content answer(Laboratory& laboratory, Findings& findings) {
                       .columns = {"task", "step, ms", "ERP", "CFM", "also", "stepper", "keeps, until",
                                   "error, mrad or mm", "± mrad or mm", "µs a simulated second",
                                   "ODE's defaults: step, ms", "µs a second", "accurate step: step, ms", "µs a second"}};
-  report::Table proofs{.name = "answer-proofs", .columns = {"task", "the run that proves it"}};
+  report::Table proofs{
+      .name = "answer-proofs",
+      .columns = {"task", "settings", "the run that proves it", "its error is", "error", "budget", "unit"}};
+  Kept arm;
   for (const Task& task : tasks) {
-    table.evidence.emplace_back(task.evidence);
+    table.evidence.emplace_back(proofs.name);
     try {
       const Bench bench(task, laboratory);
       const Answered all = answered(bench);
       add_findings(task, all, bench.scenario().duration_s, findings);
       table.rows.push_back(row_of(task, bench, all));
-      if (all.best().kept.keeps) proofs.rows.push_back({std::string(task.text), command_of(task, bench, all.best())});
+      add_proofs(task, bench, all, proofs);
+      if (&task == tasks.data()) arm = all.direct.kept;
     } catch (const std::exception& error) {  // the build lacks what the task's reference needs
       std::vector<report::Cell> row{std::string(task.text)};
       row.resize(table.columns.size(), report::Missing{error.what()});
@@ -460,7 +568,6 @@ Content answer(Laboratory& laboratory, Findings& findings) {
                    unavailable("step of ODE's defaults", "ms", error.what()));
     }
   }
-  plain_impact(laboratory, findings);
   Content content;
   content.values = {{"step", 1e3 * laboratory.scenario("double_pendulum").step_s},
                     {"goes_on", film_goes_on_s},
@@ -475,6 +582,9 @@ Content answer(Laboratory& laboratory, Findings& findings) {
                     {"rows", shown(1e3 * rows_s)}};
   content.exhibits.emplace_back(std::move(table));
   content.exhibits.emplace_back(std::move(proofs));
+  content.exhibits.emplace_back(other_arms(laboratory, arm, findings));
+  content.exhibits.emplace_back(plain_impacts(laboratory, findings));
+  content.exhibits.emplace_back(precisions(laboratory, findings));
   content.exhibits.push_back(plain_arm(laboratory, findings));
   return content;
 }

@@ -80,6 +80,27 @@ Panel panel(const std::vector<Point>& points, const Case& which) {
   return panel;
 }
 
+/// The same gain on the double pendulum when its motion is nearly lost.
+void add_late_gain(Laboratory& laboratory, Findings& findings) {
+  constexpr double late_s = 5;
+  Scenario scenario = laboratory.scenario("double_pendulum");
+  scenario.step_s = fine_step_s;
+  scenario.duration_s = late_s;
+  Evaluator evaluator(scenario);
+  const auto error = [&](double erp) {
+    OdeSettings settings = half_step_started(scenario.ode);
+    settings.erp = erp;
+    return error_until(evaluator, evaluator.evaluate(*available("ode-step-double"), settings), late_s);
+  };
+  const double known = evaluator.reference().uncertainty_q.back();
+  findings.add("O2.late_until", measured("end of a longer motion of O2", "s", late_s));
+  findings.add("O2.late_gain",
+               measured_ratio(fmt::format("angle error until {} s with ERP {} over that with ERP {}, half-step start, "
+                                          "double_pendulum, h = {} s",
+                                          late_s, default_erp, stiff_erp, fine_step_s),
+                              error(default_erp), error(stiff_erp), known, known));
+}
+
 }  // namespace
 
 Content half_step_erp(Laboratory& laboratory, Findings& findings) {
@@ -134,6 +155,9 @@ Content half_step_erp(Laboratory& laboratory, Findings& findings) {
     best_on_chain = point.erp;
     least_error = point.error[0];
   }
+  add_late_gain(laboratory, findings);
+  findings.add("O2.step", measured("step of O2", "ms", 1e3 * fine_step_s));
+  findings.add("O2.until", measured("end of O2's motion", "s", times_s[1]));
   findings.add("O2.erp", measured("ERP of O2", "", stiff_erp));
   findings.add("O2.default_erp", measured("ODE's default ERP", "", default_erp));
   Content content;

@@ -68,6 +68,10 @@ Content potra(Laboratory& laboratory, Findings& findings) {
   findings.add(
       "potra.late_steps",
       measured("largest distance of an impact of dWorldStep from the reference's, in steps", "", worst[0] / step_s));
+  findings.add("potra.impacts",
+               measured("impacts of the reference", "", static_cast<double>(reference.impacts.size())));
+  findings.add("potra.until", measured("end of the motion", "s", evaluator.scenario().duration_s));
+  findings.add("potra.step", measured("step of the motion", "ms", 1e3 * step_s));
   findings.add("potra.late_fourth_order",
                measured("the same of ode-rk4-double", "s", worst[2], reference.impact_uncertainty_s.back()));
   const double spheres = off_points(evaluator.scenario(), reference);

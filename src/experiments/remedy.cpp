@@ -47,7 +47,8 @@ report::Table robots(Laboratory& laboratory, Findings& findings) {
       .columns = {"scenario", "what acts", "until, s", "error of dWorldStep, m", "of the fourth-order step, m",
                   "the reference's uncertainty, m", "at least more accurate, times"}};
   const auto add = [&](const char* finding, const char* scenario, const char* acts) {
-    const std::string meaning = fmt::format("error of dWorldStep over that of ode-rk4-double, {}: {}", scenario, acts);
+    const std::string meaning =
+        fmt::format("at least this much more accurate than dWorldStep is ode-rk4-double, {}: {}", scenario, acts);
     try {
       findings.add(finding, measured(meaning, "", add_body_row(laboratory, scenario, acts, table)));
     } catch (const UserError& error) {  // the build lacks the reference of trees
@@ -74,7 +75,8 @@ Content remedy(Laboratory& laboratory, Findings& findings) {
   const double impact = add_row(laboratory, "wall_pendulum", 5, table);
   add_row(laboratory, "single_pendulum", 10, table);
   findings.add("C12.smooth_gain",
-               measured("error of dWorldStep over that of ode-rk4-double, double pendulum until 3 s", "", smooth));
+               measured("at least this much more accurate than dWorldStep is ode-rk4-double, double pendulum until 3 s",
+                        "", smooth));
   findings.add("C12.impact_gain", measured("the same through the wall pendulum's impacts, until 5 s", "", impact));
   std::vector<report::Panel> panels;
   for (const char* scenario : {"double_pendulum", "wall_pendulum"}) {

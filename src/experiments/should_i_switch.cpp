@@ -223,9 +223,10 @@ report::Table momentum(Laboratory& laboratory) {
 
 Content should_i_switch(Laboratory& laboratory, Findings& findings) {
   using namespace engines;
-  report::Table table{.name = "switch",
-                      .columns = {"task", "to keep", "what to do", "times less CPU time, over the motions",
-                                  "best other engine, times less CPU time (over the motions)"}};
+  report::Table table{
+      .name = "switch",
+      .columns = {"task", "to keep", "what to do", "times less CPU time than ODE's defaults, over the motions",
+                  "best other engine, times less CPU time (over the motions)"}};
   report::Table at_error{.name = "switch-equal-error",
                          .columns = {"task", "motion", "method", "to keep", "setting", "error", "CPU time, µs a second",
                                      "CPU time of ODE as it is over that"}};

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "catalogue/keeping.hpp"
 #include "experiments/all.hpp"
 #include "experiments/parts.hpp"
 #include "model/generate.hpp"
@@ -66,13 +67,11 @@ struct SpinUp {
                       .log_y = true};
 };
 
-// Rounding decides: steps that nobody would tell from the file's.
-constexpr double nearby_steps[] = {0.99, 1.01};  // of the step
-
-/// What `add_finding` tells, at those steps.
+/// What `add_finding` tells, where rounding decides: at steps that nobody would tell from the file's.
 std::vector<double> spins_nearby(const Scenario& thin, const catalogue::Method& method, double own) {
   std::vector<double> spins;
-  for (const double factor : nearby_steps) {
+  for (const double percent : catalogue::nearby_percents) {
+    const double factor = catalogue::moved(1, percent);
     Scenario scenario = thin;
     scenario.step_s *= factor;
     if (scenario.sample_s) *scenario.sample_s *= factor;

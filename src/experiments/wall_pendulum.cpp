@@ -49,7 +49,8 @@ report::Figure traces(Evaluator& evaluator, const std::vector<const Evaluation*>
   const Reference& reference = evaluator.reference();
   error.series.push_back(uncertainty_curve(reference.trace.t, reference.uncertainty_q));
   report::Figure figure{.name = "wall-pendulum-figure", .columns = 2};
-  figure.panels = {std::move(angle), std::move(rate), told_apart(std::move(energy)), told_apart(std::move(error))};
+  figure.panels = {told_apart(std::move(angle)), told_apart(std::move(rate)), told_apart(std::move(energy)),
+                   told_apart(std::move(error))};
   return figure;
 }
 

@@ -88,7 +88,7 @@ constexpr std::array table{
     Claim{"C4", "§3.5.3", "In single precision, long thin bodies spin up about their long axis.", c4_confirmed, c4_refuted,
           "The inertia survives; it is ODE's gyroscopic term that loses the digits, long before the moments differ as much as the report thought. Use double precision, or leave the term out (dBodySetGyroscopicMode). A long body that does spin about its length loses that spin to the term, in double precision as well.", "thin-body"},
     Claim{"C5", "§3.4.1", "A positive CFM takes the system matrix away from singularity.", c5_confirmed, c5_refuted,
-          "Where joints say the same thing twice, CFM is what makes the system solvable. Elsewhere it buys nothing in double precision, and heavy parts sag.", "conditioning"},
+          "Where joints, or the corners on which a box stands, say the same thing twice, CFM is what makes the system solvable. Elsewhere it buys nothing in double precision, and heavy parts sag.", "conditioning"},
     Claim{"C6", "§3.4.2", "ERP = h kp / (h kp + kd) and CFM = 1 / (h kp + kd) make a joint a spring and damper.", c6_confirmed, c6_refuted,
           "Turn the stiffness and the damping that you want into ERP and CFM by these formulas, at your step, and again whenever the step changes: fixed numbers are a stiffer spring at a smaller step.", "spring-joint"},
     Claim{"C7", "§5.7.1", "ODE is marginally faster than hand-derived equations with ode45 and four times faster than Euler with the same steps; a toolbox costs a multiple.", c7_confirmed, c7_refuted,

@@ -82,6 +82,12 @@ Judged judge(const Claim& claim, const Findings& findings) {
   judged.verdict = all_hold(claim.confirmed_if, findings) ? Verdict::confirmed
                    : all_hold(claim.refuted_if, findings) ? Verdict::refuted
                                                           : Verdict::confirmed_with_limits;
+  if (judged.verdict == Verdict::refuted) {  // what decides stands first
+    std::ranges::stable_partition(judged.findings, [&](const Finding* finding) {
+      return std::ranges::any_of(
+          claim.refuted_if, [&](const Condition& condition) { return findings.find(condition.finding) == finding; });
+    });
+  }
   return judged;
 }
 

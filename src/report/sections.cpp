@@ -40,7 +40,8 @@ class Footnotes {
 Values cell_values(const Cell& cell, Footnotes& notes) {
   if (const std::string* const text = std::get_if<std::string>(&cell)) {
     const bool one_word = text->find(' ') == std::string::npos;  // a name, which no hyphen may break
-    return {{"class", one_word ? "whole" : ""}, {"text", *text}, {"mark", ""}};
+    const bool command = text->starts_with("odeval ");
+    return {{"class", command ? "command" : one_word ? "whole" : ""}, {"text", *text}, {"mark", ""}};
   }
   if (const double* const number = std::get_if<double>(&cell); number != nullptr && std::isfinite(*number)) {
     return {{"class", "number"}, {"text", shown(*number)}, {"mark", ""}};
