@@ -70,7 +70,7 @@ Ledger::Ledger(const Scenario& scenario, Scene& scene)
   for (std::size_t j = 0; j < mechanism_.joints.size(); ++j) {
     const Joint& joint = mechanism_.joints[j];
     for (const AxisMotor& each : joint.motors) {
-      driven_.push_back({j, !driveable_of(joint.kind)[each.motion].slides, each});
+      driven_.push_back({j, !driveable_of(joint.kind)[each.motion].slides, &each});
     }
     if (joint.motors.empty() && joint.driven()) driven_.push_back({j, std::holds_alternative<HingeJoint>(joint.kind)});
     if (std::holds_alternative<Hinge2Joint>(joint.kind)) suspensions_.push_back({j, {}});

@@ -51,14 +51,14 @@ class Ledger {
   struct Driven {
     std::size_t number;  // of the joint
     bool turns;
-    std::optional<AxisMotor> motor = {};  // of one of several motions
-    Row row{};                            // in the step
-    Vec3 lever{};                         // of a hinge, from the first body's centre to the anchor, likewise
-    Works loads{};                        // likewise
-    double total = 0;                     // along the joint, likewise
-    bool at_low = false;                  // its stop acts in the step
-    bool at_high = false;                 // likewise
-    long at_limit = 0;                    // steps in which the motor gave all it has
+    const AxisMotor* motor = nullptr;  // of one of several motions, in mechanism_
+    Row row{};                         // in the step
+    Vec3 lever{};                      // of a hinge, from the first body's centre to the anchor, likewise
+    Works loads{};                     // likewise
+    double total = 0;                  // along the joint, likewise
+    bool at_low = false;               // its stop acts in the step
+    bool at_high = false;              // likewise
+    long at_limit = 0;                 // steps in which the motor gave all it has
     std::optional<double> first_s = {};
   };
   struct Damper {
