@@ -170,7 +170,7 @@ Action attach_bench(Flags& flags) {
   const auto options = std::make_shared<BenchOptions>();
   flags.add_option("SCENARIO", options->scenarios, "names or .toml files; default: all that come with the program");
   add_method_option(flags, options->methods);
-  flags.add_option("--repeats", options->repeats, "timed rounds")
+  flags.add_option("--repeats", options->repeats, "how many rounds are timed")
       .type_name("N")
       .check(whole_within(1, 100000))
       .capture_default_str();
@@ -185,8 +185,8 @@ Action attach_bench(Flags& flags) {
                          .check(number_within(1e-3, 1e4))
                          .capture_default_str();
   add_out_option(flags, options->out);
-  flags.add_flag("--quiet", options->quiet, "no table, no progress");
-  flags.add_flag("--json", options->json, "the table for programs");
+  flags.add_flag("--quiet", options->quiet, "print neither table nor progress");
+  flags.add_flag("--json", options->json, "print the table as JSON");
   options->settings.attach(flags);
   return [options, until] {
     if (until.given() && options->equal_error == 0) {

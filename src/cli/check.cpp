@@ -141,8 +141,8 @@ int check(const Options& options) {
 Action attach_check(Flags& flags) {
   const auto options = std::make_shared<Options>();
   flags.add_option("SCENARIO", options->scenarios, "names or .toml files; default: all that come with the program");
-  flags.add_flag("--quiet", options->quiet, "only the exit status");
-  flags.add_flag("--json", options->json, "for programs");
+  flags.add_flag("--quiet", options->quiet, "print nothing; the exit status tells");
+  flags.add_flag("--json", options->json, "print JSON");
   options->settings.attach(flags);
   return [options] { return check(*options); };
 }

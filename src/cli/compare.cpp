@@ -31,8 +31,8 @@ Action attach_compare(Flags& flags) {
   const auto options = std::make_shared<Options>();
   flags.add_option("DIR_A", options->a, "a folder of results").required();
   flags.add_option("DIR_B", options->b, "another").required();
-  flags.add_flag("--quiet", options->quiet, "only the exit status");
-  flags.add_flag("--json", options->json, "for programs");
+  flags.add_flag("--quiet", options->quiet, "print nothing; the exit status tells");
+  flags.add_flag("--json", options->json, "print JSON");
   return [options] { return compare(*options); };
 }
 

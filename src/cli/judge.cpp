@@ -192,7 +192,7 @@ Action attach_judge(Flags& flags) {
   flags.add_option("--scenario", options->scenario, "whose motion it should be: a name ('odeval list') or a .toml file")
       .type_name("SCENARIO");
   flags.add_option("--against", options->against, "the same run at half the step").type_name("TRACE");
-  flags.add_flag("--json", options->json, "for programs");
+  flags.add_flag("--json", options->json, "print JSON");
   options->settings.attach(flags);
   return [options] { return judge(*options); };
 }

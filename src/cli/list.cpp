@@ -85,7 +85,7 @@ int list(const Options& options) {
 Action attach_list(Flags& flags) {
   const auto options = std::make_shared<Options>();
   flags.add_option("KIND", options->kind, "only one kind; default: all").one_of({kinds.begin(), kinds.end()});
-  flags.add_flag("--json", options->json, "for programs");
+  flags.add_flag("--json", options->json, "print JSON");
   flags.add_option("--names", options->names, "only the names of one kind, one a line")
       .one_of({kinds.begin(), kinds.end()})
       .excludes("KIND");

@@ -17,6 +17,7 @@
 #include "output/file.hpp"
 #include "output/number.hpp"
 #include "report/chart.hpp"
+#include "report/log_axis.hpp"
 #include "report/plot.hpp"
 
 namespace odeval::cli {
@@ -52,14 +53,35 @@ std::string with_unit(const std::string& name) {
   return column == nullptr || column->unit.empty() ? name : name + ", " + std::string(column->unit);
 }
 
-/// The shortest ends of the files' paths that tell them apart, without ".csv".
+/// The last so many parts of a path.
+std::string end_of(const fs::path& file, std::size_t parts) {
+  std::vector<fs::path> all(file.begin(), file.end());
+  fs::path end;
+  for (std::size_t i = all.size() - std::min(parts, all.size()); i < all.size(); ++i) end /= all[i];
+  return end.string();
+}
+
+/// The shortest ends of the files' paths that tell them apart, without ".csv" where nothing else differs.
 std::vector<std::string> labels_of(const std::vector<std::string>& files) {
+  std::vector<fs::path> whole;
+  for (const std::string& file : files) {
+    whole.push_back(fs::path(file).lexically_normal());
+    if (std::ranges::count(whole, whole.back()) > 1) throw UserError(file + ": is given more than once; give it once");
+  }
+  const bool other_ends = std::ranges::any_of(whole, [&](const fs::path& file) {
+    return std::ranges::any_of(whole, [&](const fs::path& other) {
+      return other != file && fs::path(other).replace_extension() == fs::path(file).replace_extension();
+    });
+  });
   std::vector<std::string> labels;
-  for (const std::string& file : files) labels.push_back(fs::path(file).stem().string());
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    if (std::ranges::count(labels, fs::path(files[i]).stem().string()) > 1) {
-      return {files.begin(), files.end()};
-    }
+  for (fs::path& file : whole) {
+    if (!other_ends) file.replace_extension();
+  }
+  for (const fs::path& file : whole) {
+    std::size_t parts = 1;
+    const auto same = [&](const fs::path& other) { return end_of(other, parts) == end_of(file, parts); };
+    while (std::ranges::count_if(whole, same) > 1) ++parts;
+    labels.push_back(end_of(file, parts));
   }
   return labels;
 }
@@ -133,9 +155,35 @@ int plot(const Options& options) {
   if (!options.minus.empty()) request.minus = fs::path(options.minus).stem().string();
   if (!options.scenario.empty()) request.minus = "reference";
   request.log_y = options.log_y;
-  draw_traces(traces, request, options.out);
-  if (!options.quiet) std::cout << "wrote " << options.out << '\n';
+  const std::vector<std::string> left_out = draw_traces(traces, request, options.out);
+  if (options.quiet) return 0;
+  for (const std::string& what : left_out) std::cout << what << '\n';
+  std::cout << "wrote " << options.out << '\n';
   return 0;
+}
+
+/// Columns of all traces in one panel; on a logarithmic axis their sizes.
+report::Panel panel_of(const std::string& together, const std::vector<DrawnTrace>& traces, const PlotRequest& request) {
+  const std::vector<std::string> names = columns_of(together);
+  report::Panel panel;
+  panel.x_label = with_unit(request.x);
+  panel.y_label = with_unit(names.front());
+  if (names.size() > 1) panel.y_label = together + panel.y_label.substr(names.front().size());
+  if (!request.minus.empty()) panel.y_label += " − " + request.minus;
+  panel.log_y = request.log_y;
+  for (std::size_t i = 0; i < traces.size(); ++i) {
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      const std::string label = names.size() > 1 ? traces[i].label + " " + names[k] : traces[i].label;
+      report::Series series{label, column_of(traces[i].table, request.x, traces[i].file),
+                            column_of(traces[i].table, names[k], traces[i].file)};
+      series.colour = static_cast<int>(names.size() > 1 ? i * names.size() + k : i);
+      if (request.log_y) {
+        for (double& value : series.y) value = std::fabs(value);
+      }
+      panel.series.push_back(std::move(series));
+    }
+  }
+  return panel;
 }
 
 }  // namespace
@@ -154,37 +202,27 @@ std::vector<std::string> columns_of(const std::string& panel) {
 
 bool is_picture(const fs::path& file) { return file.extension() == ".svg" || file.extension() == ".png"; }
 
-void draw_traces(const std::vector<DrawnTrace>& traces, const PlotRequest& request, const fs::path& file) {
+std::vector<std::string> draw_traces(const std::vector<DrawnTrace>& traces, const PlotRequest& request,
+                                     const fs::path& file) {
+  std::vector<std::string> told;
   report::Chart chart;
   chart.title = request.title;
   for (const std::string& together : request.columns) {
-    const std::vector<std::string> names = columns_of(together);
-    report::Panel& panel = chart.panels.emplace_back();
-    panel.x_label = with_unit(request.x);
-    panel.y_label = with_unit(names.front());
-    if (names.size() > 1) panel.y_label = together + panel.y_label.substr(names.front().size());
-    if (!request.minus.empty()) panel.y_label += " − " + request.minus;
-    panel.log_y = request.log_y;
-    for (std::size_t i = 0; i < traces.size(); ++i) {
-      for (std::size_t k = 0; k < names.size(); ++k) {
-        const std::string label = names.size() > 1 ? traces[i].label + " " + names[k] : traces[i].label;
-        report::Series series{label, column_of(traces[i].table, request.x, traces[i].file),
-                              column_of(traces[i].table, names[k], traces[i].file)};
-        series.colour = static_cast<int>(names.size() > 1 ? i * names.size() + k : i);
-        if (request.log_y) {
-          for (double& value : series.y) value = std::fabs(value);
-        }
-        panel.series.push_back(std::move(series));
-      }
-    }
+    report::Panel& panel = chart.panels.emplace_back(panel_of(together, traces, request));
     if (!report::has_points(panel)) {
       throw UserError(fmt::format("--columns {}: has no value that can be drawn", together));
     }
+    if (!request.log_y) continue;
+    const report::LogAxis axis = report::log_axis_of(panel);
+    panel.y_range = {axis.least, axis.greatest};
+    panel.title = report::left_out_text(axis);
+    if (!panel.title.empty()) told.push_back(together + ": " + panel.title);
   }
   chart.width = request.width;
   chart.height = request.height > 0 ? request.height : static_cast<int>(120 + 300 * chart.panels.size());
   write_whole(file,
               report::drawn(chart, file.extension() == ".svg" ? report::ChartFormat::svg : report::ChartFormat::png));
+  return told;
 }
 
 Action attach_plot(Flags& flags) {
@@ -197,16 +235,17 @@ Action attach_plot(Flags& flags) {
       .delimiter(',')
       .one_value()
       .required();
-  flags.add_option("--x", options->x, "the column that goes across").type_name("C").capture_default_str();
+  flags.add_option("--x", options->x, "column of the horizontal axis").type_name("C").capture_default_str();
   flags.add_option("--minus", options->minus, "draw the differences from this trace, which has the same times")
       .type_name("TRACE");
   flags.add_option("--scenario", options->scenario, "draw the differences from the reference of this scenario")
       .type_name("SCENARIO");
   flags.add_option("--from", options->from, "time of the first row, s").type_name("T").check(number_within(0, 1e9));
   flags.add_option("--until", options->until, "time of the last row, s").type_name("T").check(number_within(0, 1e9));
-  flags.add_flag("--log", options->log_y, "sizes on a logarithmic axis");
-  flags.add_option("--out", options->out, "the picture, .svg or .png").type_name("FILE").capture_default_str();
-  flags.add_flag("--quiet", options->quiet, "do not name the file");
+  flags.add_flag("--log", options->log_y,
+                 "draw absolute values on a logarithmic axis, and tell what has no place on it");
+  flags.add_option("--out", options->out, "file of the picture, .svg or .png").type_name("FILE").capture_default_str();
+  flags.add_flag("--quiet", options->quiet, "print nothing");
   options->settings.attach(flags);
   return [options] { return plot(*options); };
 }

@@ -25,8 +25,10 @@ struct PlotRequest {
   int height = 0;  // 0: as the panels need
 };
 
-/// Throws UserError where a trace lacks a column, MachineError without gnuplot.
-void draw_traces(const std::vector<DrawnTrace>& traces, const PlotRequest& request, const std::filesystem::path& file);
+/// Returns a line a panel that leaves values out. Throws UserError where a trace lacks a column, MachineError without
+/// gnuplot.
+std::vector<std::string> draw_traces(const std::vector<DrawnTrace>& traces, const PlotRequest& request,
+                                     const std::filesystem::path& file);
 
 /// Columns that share a panel: "q1+q2".
 std::vector<std::string> columns_of(const std::string& panel);

@@ -305,21 +305,21 @@ Action attach_recommend(Flags& flags) {
         .check(number_within(least, greatest_of(quantity.id)))
         .group(budgets);
   }
-  flags.add_option("--until", options->until, "until when, s")
+  flags.add_option("--until", options->until, "end of the motion, s")
       .type_name("T")
       .required()
       .check(number_within(1e-3, 1e4));
   flags
       .add_option("--most-steps", options->most_steps,
-                  "that a run of the search may take; all runs of a method together ten times as many")
+                  "steps that a run of the search may take; all runs of a method together may take ten times as many")
       .type_name("N")
       .check(whole_within(100, 100'000'000))
       .capture_default_str();
   add_method_option(flags, options->methods);
   add_jobs_option(flags, options->jobs);
   add_out_option(flags, options->out);
-  flags.add_flag("--quiet", options->quiet, "no answer, no progress");
-  flags.add_flag("--json", options->json, "the answers for programs");
+  flags.add_flag("--quiet", options->quiet, "print neither answer nor progress");
+  flags.add_flag("--json", options->json, "print the answers as JSON");
   options->settings.attach(flags);
   for (const std::string_view key : catalogue::searched_keys) {
     flags.hide("--" + std::string(key));  // read, so that the refusal can say why; no part of the help

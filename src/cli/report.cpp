@@ -177,7 +177,7 @@ Action attach_report(Flags& flags) {
       .add_option("--releases", options->releases,
                   "what another release of ODE changes: the folder that its build's report or run wrote")
       .type_name("DIR");
-  flags.add_flag("--quiet", options->quiet, "no progress, no name of the page");
+  flags.add_flag("--quiet", options->quiet, "print neither progress nor the name of the page");
   return [options] { return report(*options); };
 }
 

@@ -132,8 +132,8 @@ Action attach_run(Flags& flags) {
       .type_name("C1[,C2...]")
       .delimiter(',')
       .one_value();
-  flags.add_flag("--quiet", options->quiet, "no table, no progress");
-  flags.add_flag("--json", options->json, "summaries for programs instead of the table");
+  flags.add_flag("--quiet", options->quiet, "print neither table nor progress");
+  flags.add_flag("--json", options->json, "print the summaries as JSON instead of the table");
   options->settings.attach(flags);
   return [options] { return run(*options); };
 }

@@ -1,5 +1,7 @@
 #include "cli/settings.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sched.h>
 
 #include <algorithm>
@@ -51,6 +53,14 @@ const KeyRow& row_of(std::string_view key) {
   });
 }
 
+/// What stands for a value in the help: its unit, or the words that it may be, as they stand where a flag checks them.
+std::string value_of(const KeyRow& row) {
+  if (row.kind == KeyKind::word && row.allowed != nullptr) {
+    return fmt::format("TEXT:{{{}}}", fmt::join(row.allowed({}), ", "));
+  }
+  return row.unit.empty() ? "VALUE" : std::string(row.unit);
+}
+
 std::string_view trimmed(std::string_view word) {
   constexpr std::string_view blanks = " \t\n\v\f\r";
   const std::size_t first = word.find_first_not_of(blanks);
@@ -76,8 +86,7 @@ void Settings::attach(Flags& flags) {
     const KeyRow& row = row_of(key);
     KeyFlag& added = flags_.emplace_back(KeyFlag{flag_of(key), key, "", Flag(nullptr)});
     added.flag = flags.add_option(added.name, added.value, std::string(row.meaning));
-    added.flag.type_name(row.unit.empty() ? "VALUE" : std::string(row.unit))
-        .group("Settings, each on top of the scenario file");
+    added.flag.type_name(value_of(row)).group("Settings, each on top of the scenario file");
   }
   flags.add_option("--set", sets_, "any key of the file, e.g. --set links.0.mass=2 --set q0=[1.0,0.5]")
       .type_name("KEY=VALUE")
@@ -167,7 +176,9 @@ void add_jobs_option(Flags& flags, int& jobs) {
   cpu_set_t cores;
   CPU_ZERO(&cores);
   jobs = ::sched_getaffinity(0, sizeof cores, &cores) == 0 ? std::max(1, CPU_COUNT(&cores)) : 1;
-  flags.add_option("--jobs", jobs, "runs at a time; default: one a core").type_name("N").check(whole_within(1, 1024));
+  flags.add_option("--jobs", jobs, "runs at a time; default: one for each core")
+      .type_name("N")
+      .check(whole_within(1, 1024));
 }
 
 std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::string>& asked, const Scenario& scenario) {

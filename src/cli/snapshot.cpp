@@ -318,7 +318,7 @@ Action attach_snapshot(Flags& flags) {
   const auto options = std::make_shared<Options>();
   flags.add_option("SCENARIO", options->scenario, "a name ('odeval list') or a .toml file").required();
   add_method_option(flags, options->methods);
-  flags.add_option("--times", options->times, "a picture at each, in s, from the nearest sample of the run")
+  flags.add_option("--times", options->times, "times in s; each gives a picture, of the nearest sample of the run")
       .type_name("T1[,T2...]");
   flags.add_option("--size", options->size, "pixels of a picture or sheet, 16x16 to 8192x8192")
       .type_name("WxH")
@@ -329,11 +329,11 @@ Action attach_snapshot(Flags& flags) {
           "front, side, corner, or AZIMUTH,ELEVATION[,DISTANCE] in degrees (and m from the first hinge or the middle)")
       .type_name("VIEW")
       .capture_default_str();
-  flags.add_flag("--sheet", options->sheet, "all times on one picture");
+  flags.add_flag("--sheet", options->sheet, "put all times on one picture");
   flags.add_flag("--overlay", options->overlay, "the reference's pose as an outline over the method's");
   flags.add_flag("--film", options->film, "the whole run as an animated PNG at real-time speed");
   add_out_option(flags, options->out);
-  flags.add_flag("--quiet", options->quiet, "no list of files, no progress");
+  flags.add_flag("--quiet", options->quiet, "print neither files nor progress");
   options->settings.attach(flags);
   return [options] { return snapshot(*options); };
 }

@@ -144,10 +144,30 @@ std::string unit_of(const std::string& metric) {
   return row == nullptr || row->unit.empty() ? "" : ", " + std::string(row->unit);
 }
 
+/// "3 step × 2 ode.erp × 1 method + 3 step × 4 method without ode.erp": methods together that read the same keys, since
+/// a key that a method does not read does not multiply its runs.
 std::string grid_text(const Head& head) {
+  const std::span keys = std::span(head.axes).first(head.axes.size() - 1);
+  std::map<std::vector<bool>, std::size_t> methods;
+  std::vector<std::vector<bool>> in_order;
+  for (const std::string& method : head.axes.back().values) {
+    std::vector<bool> unread;
+    for (const sweep::Axis& key : keys)
+      unread.push_back(std::ranges::find(key.unread_by, method) != key.unread_by.end());
+    if (methods[unread]++ == 0) in_order.push_back(std::move(unread));
+  }
   std::string text;
-  for (const sweep::Axis& axis : head.axes) {
-    text += (text.empty() ? "" : " × ") + fmt::format("{} {}", axis.values.size(), axis.key);
+  for (const std::vector<bool>& unread : in_order) {
+    if (!text.empty()) text += " + ";
+    std::string without;
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      if (unread[i]) {
+        without += (without.empty() ? " without " : ", ") + keys[i].key;
+      } else {
+        text += fmt::format("{} {} × ", keys[i].values.size(), keys[i].key);
+      }
+    }
+    text += fmt::format("{} {}", methods[unread], head.axes.back().key) + without;
   }
   return text;
 }
@@ -343,7 +363,7 @@ void add_answer_options(Flags& flags, AnswerOptions& options) {
   flags.add_option("--error", options.error, "the error of the Pareto front; default: the angle error")
       .type_name("METRIC")
       .one_of(error_metrics());
-  flags.add_flag("--quiet", options.quiet, "no table, no progress");
+  flags.add_flag("--quiet", options.quiet, "print neither table nor progress");
 }
 
 fs::path journal_file(const fs::path& folder, const std::string& scenario) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <vector>
 
 #include "output/number.hpp"
 #include "report/gnuplot.hpp"
@@ -13,21 +14,29 @@ namespace {
 
 constexpr std::size_t most_points = 4000;  // of a line: more than two a pixel
 
-/// The lowest and the highest point of each few, in their order.
-Series thinned(const Series& series) {
+/// The lowest and the highest point of each few that have a place, in their order.
+Series thinned(const Series& series, const Panel& panel) {
   const std::size_t points = std::min(series.x.size(), series.y.size());
   if (points <= most_points) return series;
   const std::size_t few = (2 * points + most_points - 1) / most_points;
   Series thin{series.label, {}, {}, series.mark, series.colour, series.dashed};
+  const auto add = [&](std::size_t at) {
+    thin.x.push_back(series.x[at]);
+    thin.y.push_back(series.y[at]);
+  };
   for (std::size_t begin = 0; begin < points; begin += few) {
-    const auto first = series.y.begin() + static_cast<std::ptrdiff_t>(begin);
-    const auto [low, high] =
-        std::minmax_element(first, first + static_cast<std::ptrdiff_t>(std::min(few, points - begin)));
-    for (const auto at : {std::min(low, high), std::max(low, high)}) {
-      thin.x.push_back(series.x[static_cast<std::size_t>(at - series.y.begin())]);
-      thin.y.push_back(*at);
-      if (low == high) break;
+    std::vector<std::size_t> places;
+    for (std::size_t at = begin; at < std::min(begin + few, points); ++at) {
+      if (drawable(series.x[at], panel.log_x) && drawable(series.y[at], panel.log_y)) places.push_back(at);
     }
+    if (places.empty()) {
+      add(begin);  // a gap
+      continue;
+    }
+    const auto by_height = [&](std::size_t a, std::size_t b) { return series.y[a] < series.y[b]; };
+    const auto [low, high] = std::ranges::minmax_element(places, by_height);
+    add(std::min(*low, *high));
+    if (*low != *high) add(std::max(*low, *high));
   }
   return thin;
 }
@@ -52,9 +61,13 @@ std::string drawn(const Chart& chart, ChartFormat format) {
     plots += fmt::format("set xlabel {} noenhanced\nset ylabel {} noenhanced\n", quoted(last ? panel.x_label : ""),
                          quoted(panel.y_label));
     plots += panel.log_y ? "set logscale y\nset format y '10^{%L}'\n" : "unset logscale y\nset format y '%h'\n";
+    plots += panel.y_range ? fmt::format("set yrange [{}:{}]\n", number_text(panel.y_range->first),
+                                         number_text(panel.y_range->second))
+                           : "set autoscale y\n";
+    plots += fmt::format("set title {} noenhanced font ',10'\n", quoted(panel.title));
     std::string lines;
     for (std::size_t i = 0; i < panel.series.size(); ++i) {
-      const Series series = thinned(panel.series[i]);
+      const Series series = thinned(panel.series[i], panel);
       script += data_block(series, panel, number);
       const std::size_t colour = series.colour < 0 ? i : static_cast<std::size_t>(series.colour);
       lines += fmt::format("{}$d{} using 1:2 with lines lc rgb '{}' lw 1.5 dt {} title {}",

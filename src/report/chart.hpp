@@ -9,7 +9,7 @@ namespace odeval::report {
 
 struct Chart {
   std::string title;
-  std::vector<Panel> panels;  // of one x axis; each series a line, by its colour the same in all panels
+  std::vector<Panel> panels;  // of one x axis; each series a line, by its colour the same in all panels; titles small
   int width = 1200;           // pixels
   int height = 800;
 };

@@ -136,6 +136,26 @@ void every_run_has_its_row(const fs::path& folder) {
   for (const std::size_t bad : {5U, 6U, 7U}) CHECK_EQUAL(answer_to(folder, {1, bad}, {"", true}).status, 1);
 }
 
+/// A key that a method does not read does not multiply its runs: what is printed adds up to them.
+void the_header_counts_the_runs(const fs::path& folder) {
+  sweep::Head head = head_of_rows();
+  head.axes = {{"step", {"0.001", "0.002"}},
+               {"ode.erp", {"0.1", "0.2", "0.4"}, {"lagrange-cvode", "lagrange-rk4"}},
+               {"rtol", {"1e-3", "1e-6"}, {"lagrange-rk4", "ode-step-double"}},
+               {"method", {"lagrange-cvode", "ode-step-double", "lagrange-rk4", "ode-quickstep-double"}}};
+  head.axes[2].unread_by.emplace_back("ode-quickstep-double");
+  CHECK_EQUAL(sweep::Grid(head.axes).runs(), 2 * 2 + 2 * 3 * 2 + 2);
+  sweep::Journal journal(cli::journal_file(folder, "double_pendulum"), head);
+  for (long run = 0; run < journal.runs(); ++run) journal.append(run, rows[1]);
+  std::ostringstream said;
+  std::streambuf* const before = std::cout.rdbuf(said.rdbuf());
+  cli::answer(journal, folder, {});
+  std::cout.rdbuf(before);
+  CHECK_EQUAL(said.str().substr(0, said.str().find('\n')),
+              "double_pendulum: 18 runs (2 step × 2 rtol × 1 method without ode.erp + 2 step × 3 ode.erp × 2 method "
+              "without rtol + 2 step × 1 method without ode.erp, rtol): 18 ok");
+}
+
 /// Run 2 is the cheapest that went through and is no reference. Run 1 is dearer and better; of runs 10 and 11 the
 /// reference knows no more than that they are good to 2e-9, and 10 is the cheaper one.
 void the_front_is_of_runs_that_went_through(const fs::path& folder) {
@@ -426,6 +446,7 @@ int main() {
   const test::TemporaryFolder folder;
   const std::string name = folder.path().string();
   every_run_has_its_row(name + "/rows");
+  the_header_counts_the_runs(name + "/counts");
   the_front_is_of_runs_that_went_through(name + "/front");
   runs_share_the_reference_of_their_motion(name + "/dropped.toml");
   as_many_rows_are_not_the_same_times();
