@@ -44,6 +44,7 @@ class SettingsSearch {
   Recommended cheapest(const Method& method);
 
  private:
+  friend class LadderSearch;
   friend class MethodSearch;
   std::shared_ptr<const Reference> reference_for(const Scenario& scenario);
 

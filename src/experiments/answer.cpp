@@ -1,260 +1,23 @@
 // The page's first screen: for each kind of task the settings of ODE that keep an error, what they cost, and a film of
 // ODE beside the truth until it is lost.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "catalogue/keeping.hpp"
-#include "catalogue/methods.hpp"
-#include "catalogue/timing.hpp"
 #include "experiments/all.hpp"
+#include "experiments/answer_runs.hpp"
 #include "experiments/parts.hpp"
 #include "odeval/error.hpp"
-#include "output/number.hpp"
-#include "output/summary.hpp"
 #include "render/png.hpp"
 #include "render/studio.hpp"
 
 namespace odeval::experiments {
 namespace {
 
-constexpr const char* direct = "ode-step-double";
-constexpr const char* iterative = "ode-quickstep-double";
-constexpr const char* accurate = "ode-rk4-double";
-
-/// Rows of every run, which all steps of the ladder fit.
-constexpr double rows_s = 0.02;
-constexpr std::array ladder_s{0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001, 5e-5, 2e-5, 1e-5};
-// What ODE does where a program sets nothing (ode-0.16, ode/src/objects.h), first; the last CFM is that of single
-// precision.
-constexpr std::array erps{0.2, 0.8, 1.0};
-constexpr std::array cfms{1e-10, 1e-5};
-/// dWorldStep is the answer unless QuickStep costs less than this share of it.
-constexpr double much_cheaper_percent = 50;
-constexpr int timed_rounds = 3;
-
-/// A kind of task, the scenario that stands for it, and what it has to keep.
-struct Task {
-  std::string_view name;  // of its findings
-  std::string_view text;  // in words
-  Scenario (*of)(Laboratory& laboratory);
-  std::string_view flags;  // with which `odeval run` has it
-  bool every_step;         // what it has to keep may be broken between rows
-  quantity::Id quantity;
-  double budget;  // in the quantity's unit
-  std::string_view evidence;
-};
-
-Scenario until(Scenario scenario, double duration_s) {
-  scenario.duration_s = duration_s;
-  return scenario;
-}
-
-/// Across the axes of ODE's friction pyramid, as fast as the file has it.
-Scenario slide_across(Laboratory& laboratory) {
-  Scenario scenario = laboratory.scenario("friction_slide");
-  scenario.mechanism.bodies.front().velocity_m_s = {1.6, 1.2, 0};
-  return scenario;
-}
-
-// clang-format off
-const std::array tasks{
-    Task{"arm", "an arm that moves freely", [](Laboratory& l) { return until(l.scenario("double_pendulum"), 2); }, "", false, quantity::max_error_q, 1e-3, "accuracy"},
-    Task{"impacts", "impacts on a wall", [](Laboratory& l) { return until(l.scenario("wall_pendulum"), 2); }, "", true, quantity::max_error_q, 1e-2, "wall-pendulum"},
-    Task{"chain", "a long chain", [](Laboratory& l) { return chain_of(l.scenario("chain"), 32, 1); }, " --set n=32", false, quantity::max_error_q, 1e-2, "chain"},
-    Task{"sliding", "a box that slides to rest", slide_across, " --set bodies.0.velocity=[1.6,1.2,0]", false, quantity::max_error_position, 1e-2, "friction"},
-    Task{"rest", "a ball that comes to rest", [](Laboratory& l) { return l.scenario("bouncing_ball"); }, "", true, quantity::max_penetration, 1e-3, "bouncing-ball"},
-    Task{"tumbling", "a body that tumbles freely", [](Laboratory& l) { return until(l.scenario("free_box"), 2); }, "", false, quantity::max_error_turn, 1e-2, "free-box"},
-    Task{"motor", "a motor that lifts", [](Laboratory& l) { return l.scenario("motor_lift"); }, "", false, quantity::max_error_position, 1e-3, "motor-lift"},
-};
-// clang-format on
-
-OdeSettings defaults(const Scenario& scenario, bool single = false) {
-  OdeSettings ode = scenario.ode;
-  ode.erp = erps.front();
-  ode.cfm = single ? cfms.back() : cfms.front();
-  return ode;
-}
-
-/// What of ODE may be changed to keep an error, each in the file's place or in that of another choice.
-std::vector<OdeSettings> choices(const Scenario& scenario, const catalogue::Method& method) {
-  const bool constrained = !scenario.mechanism.joints.empty() || !scenario.mechanism.contacts.empty();
-  const bool rubs = std::ranges::any_of(scenario.mechanism.contacts, [](const Contact& contact) {
-    return contact.friction && contact.friction->limit > 0;
-  });
-  std::vector<OdeSettings> all;
-  for (const double erp : erps) {
-    if (!constrained && erp != erps.front()) continue;
-    for (const double cfm : cfms) {
-      if (!constrained && cfm != cfms.front()) continue;
-      for (const FrictionAxes axes : {FrictionAxes::plane_space, FrictionAxes::sliding}) {
-        if (!rubs && axes != FrictionAxes::plane_space) continue;
-        for (const Start start : {Start::as_given, Start::half_step}) {
-          if (start == Start::half_step && !catalogue::has_half_step_start(method)) continue;
-          OdeSettings ode = scenario.ode;
-          ode.erp = erp;
-          ode.cfm = cfm;
-          ode.friction_axes = axes;
-          ode.start = start;
-          all.push_back(ode);
-        }
-      }
-    }
-  }
-  return all;
-}
-
-/// A run that keeps the budget, or the best there was.
-struct Kept {
-  OdeSettings ode;
-  double step_s = 0;
-  double error = std::numeric_limits<double>::infinity();
-  double uncertainty = 0;
-  bool keeps = false;
-  bool impacts = false;  // something hit something in it
-};
-
-/// A task's motion, whose reference all its runs share.
-class Bench {
- public:
-  Bench(const Task& task, Laboratory& laboratory) : task_(task), scenario_(task.of(laboratory)) {
-    scenario_.step_s = ladder_s.front();
-    scenario_.sample_s = {};
-    if (task.every_step) return;
-    scenario_.sample_s = rows_s;
-    catalogue::Evaluator first(scenario_);
-    reference_ = std::make_shared<const Reference>(first.reference());
-  }
-
-  const Scenario& scenario() const { return scenario_; }
-
-  catalogue::Evaluator at(double step_s, const OdeSettings& ode) const {
-    Scenario scenario = scenario_;
-    scenario.step_s = step_s;
-    scenario.ode = ode;
-    return reference_ ? catalogue::Evaluator(std::move(scenario), reference_)
-                      : catalogue::Evaluator(std::move(scenario));
-  }
-
-  Kept tried(const catalogue::Method& method, double step_s, const OdeSettings& ode) const {
-    const catalogue::Suspects trials;  // a run that ODE complained of is no answer, and not shown
-    catalogue::Evaluator evaluator = at(step_s, ode);
-    const catalogue::Evaluation run = evaluator.evaluate(method);
-    const Metrics metrics = evaluator.measure(run, scenario_.duration_s);
-    const Quantity& row = quantities[task_.quantity];
-    Kept kept{ode, step_s};
-    if (run.outcome.diverged || !metrics[row.id]) return kept;
-    kept.impacts = !run.outcome.impacts.empty();
-    kept.error = *metrics[row.id];
-    if (row.uncertainty) kept.uncertainty = metrics[*row.uncertainty].value_or(0);
-    kept.keeps = suspicion(run.outcome).empty() && catalogue::keeps(kept.error, kept.uncertainty, task_.budget);
-    return kept;
-  }
-
-  /// As at one step, and where impacts fall anywhere in it, whether the steps nearby keep the budget as well.
-  Kept kept_nearby(const catalogue::Method& method, double step_s, const OdeSettings& ode) const {
-    Kept kept = tried(method, step_s, ode);
-    if (!kept.keeps || !task_.every_step) return kept;
-    kept.keeps = catalogue::kept_nearby(step_s, [&](double near_s) {
-      const Kept near = tried(method, near_s, ode);
-      return catalogue::Near{near.keeps, near.impacts};
-    });
-    return kept;
-  }
-
-  /// The largest step of the ladder that keeps the budget, if the next smaller one keeps it as well: a step that keeps
-  /// it by luck is none. Looks no further where only steps below `at_least_s` are left.
-  Kept largest_step(const catalogue::Method& method, const OdeSettings& ode, double at_least_s = 0) const {
-    Kept best;
-    Kept coarser;
-    for (const double step_s : ladder_s) {
-      if (coarser.step_s > 0 && coarser.step_s < at_least_s) break;
-      const Kept here = kept_nearby(method, step_s, ode);
-      if (here.keeps && coarser.keeps) return coarser;
-      if (here.error < best.error) best = here;
-      coarser = here;
-    }
-    best.keeps = false;
-    return best;
-  }
-
-  /// Of all choices that with the largest step; of equals the first, which changes least.
-  Kept best(const catalogue::Method& method) const {
-    Kept best;
-    for (const OdeSettings& ode : choices(scenario_, method)) {
-      const Kept kept = largest_step(method, ode, best.keeps ? best.step_s : 0);
-      const bool better =
-          kept.keeps ? !best.keeps || kept.step_s > best.step_s : !best.keeps && kept.error < best.error;
-      if (better) best = kept;
-    }
-    return best;
-  }
-
- private:
-  const Task& task_;
-  Scenario scenario_;
-  std::shared_ptr<const Reference> reference_;  // null: its rows are the steps, which differ
-};
-
-/// One method at one setting, and its time.
-struct Answer {
-  const catalogue::Method* method = nullptr;
-  Kept kept{};
-  std::optional<catalogue::Evaluator> evaluator{};
-  double us_per_s = 0;  // CPU time of a simulated second
-};
-
-/// Times in turns what keeps the budget.
-void time_all(std::span<Answer> answers, double duration_s) {
-  std::vector<catalogue::TimedRun> runs;
-  std::vector<Answer*> timed;
-  for (Answer& answer : answers) {
-    if (!answer.evaluator) continue;
-    timed.push_back(&answer);
-    catalogue::TimedRun run{};
-    run.evaluator = &*answer.evaluator;
-    run.method = answer.method;
-    runs.push_back(std::move(run));
-  }
-  catalogue::time_in_turns(runs, timed_rounds);
-  for (std::size_t i = 0; i < runs.size(); ++i) timed[i]->us_per_s = 1e6 * runs[i].median_s() / duration_s;
-}
-
-bool reads(const Bench& bench, const Answer& answer, std::string_view key) {
-  return catalogue::reads(*answer.method, key, bench.scenario());
-}
-
-/// What has to be typed for that run. `run` refuses what its method does not read.
-std::string command_of(const Task& task, const Bench& bench, const Answer& answer, std::string_view settings) {
-  const Scenario& scenario = bench.scenario();
-  const OdeSettings& ode = answer.kept.ode;
-  std::string command =
-      fmt::format("odeval run {}{} --method {} --duration {} --step {}{}", scenario.name, task.flags,
-                  answer.method->name, number_text(scenario.duration_s), number_text(answer.kept.step_s),
-                  task.every_step ? "" : " --sample " + number_text(rows_s));
-  const auto add = [&](std::string_view key, bool differs, const std::string& flag) {
-    if (differs && reads(bench, answer, key)) command += flag;
-  };
-  add("ode.erp", ode.erp != scenario.ode.erp, " --erp " + number_text(ode.erp));
-  add("ode.cfm", ode.cfm != scenario.ode.cfm, " --cfm " + number_text(ode.cfm));
-  add("ode.start", ode.start != scenario.ode.start, " --start half-step");
-  add("ode.friction_axes", ode.friction_axes != scenario.ode.friction_axes, " --set ode.friction_axes=sliding");
-  return command + fmt::format(" --out proofs/{}-{}", task.name, settings);  // a folder holds one setting of a method
-}
-
-/// What is changed besides step, ERP and CFM.
-std::string also(const Answer& answer) {
-  const OdeSettings& ode = answer.kept.ode;
-  std::vector<std::string> all;
-  if (ode.start == Start::half_step) all.emplace_back("half-step start");
-  if (ode.friction_axes == FrictionAxes::sliding) all.emplace_back("friction along the slide");
-  if (answer.method != nullptr && answer.method->name == iterative)
-    all.push_back(fmt::format("{} iterations", ode.iterations));
-  return all.empty() ? "-" : fmt::format("{}", fmt::join(all, ", "));
-}
+using namespace answers;
 
 const std::string never = fmt::format("no step from {} ms down to {} µs keeps it, or the method does not do it",
                                       shown(1e3 * ladder_s.front()), shown(1e6 * ladder_s.back()));
@@ -262,33 +25,6 @@ const std::string never = fmt::format("no step from {} ms down to {} µs keeps i
 report::Cell cell_of(const Answer& answer, double value) {
   if (answer.kept.keeps) return value;
   return report::Missing{never};
-}
-
-/// A task's answers: ODE as its defaults are, its best settings in either stepper, the fourth-order step.
-struct Answered {
-  Answer plain, direct, iterative, accurate;
-
-  const Answer& best() const {
-    const bool is_cheaper = iterative.kept.keeps &&
-                            (!direct.kept.keeps || 100 * iterative.us_per_s < much_cheaper_percent * direct.us_per_s);
-    return is_cheaper ? iterative : direct;
-  }
-};
-
-Answer answer_of(const Bench& bench, std::string_view name, bool as_it_is) {
-  Answer answer{available(name)};
-  if (answer.method == nullptr || !catalogue::does(*answer.method, bench.scenario())) return answer;
-  answer.kept = as_it_is ? bench.largest_step(*answer.method, defaults(bench.scenario())) : bench.best(*answer.method);
-  if (answer.kept.keeps) answer.evaluator.emplace(bench.at(answer.kept.step_s, answer.kept.ode));
-  return answer;
-}
-
-Answered answered(const Bench& bench) {
-  std::array all{answer_of(bench, direct, true), answer_of(bench, direct, false), answer_of(bench, iterative, false),
-                 answer_of(bench, accurate, true)};
-  time_all(all, bench.scenario().duration_s);
-  auto& [plain, best, iterated, fourth] = all;
-  return {std::move(plain), std::move(best), std::move(iterated), std::move(fourth)};
 }
 
 /// A quantity as people who build say it: in mrad and mm.
@@ -352,12 +88,12 @@ std::vector<report::Cell> row_of(const Task& task, const Bench& bench, const Ans
 /// Every run of the table, where its error stands, and what it has to keep.
 void add_proofs(const Task& task, const Bench& bench, const Answered& all, report::Table& proofs) {
   const Quantity& quantity = quantities[task.quantity];
-  for (const auto& [answer, settings, text] : {std::tuple{&all.best(), "best", "ODE's best"},
-                                               {&all.plain, "defaults", "ODE's defaults"},
-                                               {&all.accurate, "accurate", "accurate step"}}) {
+  for (const auto& [answer, name, text] : {std::tuple{&all.best(), "best", "ODE's best"},
+                                           {&all.plain, "defaults", "ODE's defaults"},
+                                           {&all.accurate, "accurate", "accurate step"}}) {
     if (!answer->kept.keeps) continue;
     proofs.evidence.emplace_back(task.evidence);
-    proofs.rows.push_back({std::string(task.text), std::string(text), command_of(task, bench, *answer, settings),
+    proofs.rows.push_back({std::string(task.text), std::string(text), command_of(bench, *answer, name),
                            std::string(quantity.name), answer->kept.error, task.budget, std::string(quantity.unit)});
   }
 }
@@ -373,7 +109,7 @@ report::Table other_arms(Laboratory& laboratory, const Kept& kept, Findings& fin
     const std::string finding = fmt::format("answer.arm_of_{}", name);
     const std::string meaning = fmt::format("angle error of the settings for the double pendulum on {}", file);
     try {
-      const double until_s = tasks.front().of(laboratory).duration_s;
+      const double until_s = tasks().front().of(laboratory).duration_s;
       const auto error = [&](std::string_view method, double step_s, const OdeSettings& ode) {
         Scenario scenario = until(laboratory.scenario(file), until_s);
         scenario.step_s = step_s;  // of its controller as well, and so of the reference
@@ -462,7 +198,7 @@ report::Table precisions(Laboratory& laboratory, Findings& findings) {
                       .columns = {"step, ms", "error in double precision, mrad", "in single precision, mrad",
                                   "single over double", "± mrad"}};
   const catalogue::Method* const single = available("ode-step-single");
-  const Bench bench(tasks.front(), laboratory);
+  const Bench bench(tasks().front(), laboratory);
   const double until_s = bench.scenario().duration_s;
   for (const double step_s : steps_s) {
     const OdeSettings ode = defaults(bench.scenario(), true);
@@ -549,7 +285,7 @@ Content answer(Laboratory& laboratory, Findings& findings) {
       .name = "answer-proofs",
       .columns = {"task", "settings", "the run that proves it", "its error is", "error", "budget", "unit"}};
   Kept arm;
-  for (const Task& task : tasks) {
+  for (const Task& task : tasks()) {
     table.evidence.emplace_back(proofs.name);
     try {
       const Bench bench(task, laboratory);
@@ -557,7 +293,7 @@ Content answer(Laboratory& laboratory, Findings& findings) {
       add_findings(task, all, bench.scenario().duration_s, findings);
       table.rows.push_back(row_of(task, bench, all));
       add_proofs(task, bench, all, proofs);
-      if (&task == tasks.data()) arm = all.direct.kept;
+      if (&task == tasks().data()) arm = all.direct.kept;
     } catch (const std::exception& error) {  // the build lacks what the task's reference needs
       std::vector<report::Cell> row{std::string(task.text)};
       row.resize(table.columns.size(), report::Missing{error.what()});
