@@ -1,4 +1,4 @@
-// What rests pushes within the step: dampers and turning bodies feel no fall that is not there.
+// What rests pushes within the step: dampers and turning bodies feel no fall that is not there, and what stands stays.
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -186,6 +186,64 @@ void check_roller(bool on_box) {
   CHECK_BETWEEN(order(errors[0], errors[1], 2), 3.5, 5);
 }
 
+/// Links on hinges, 5 mm above a plane, their first end fixed to the world or free.
+void arm(World& world, int links, bool fixed) {
+  dBodyID before = nullptr;
+  for (int i = 0; i < links; ++i) {
+    const dBodyID link = world.box(1, {0.4, 0.1, 0.1}, {0.2 + 0.4 * i, 0, 0.055});
+    if (fixed || before != nullptr) world.hinge(link, before, {0.4 * i, 0, 0.055}, {0, 1, 0});
+    before = link;
+  }
+  dCreatePlane(world.space, 0, 0, 1, 0);
+}
+
+/// It has no motion to pay with for what the rounding of its rest costs, and stays: it falls into no crowd, does not
+/// creep, and no step adds energy.
+void check_arm_rests(int links, double restitution, double friction) {
+  constexpr double h = 1e-3;
+  World world;
+  arm(world, links, true);
+  AccurateStepOptions options;
+  options.contact = [=](dGeomID, dGeomID) { return std::optional(Bounce{restitution, friction}); };
+  AccurateStep step(world.id, world.space, options);
+  for (double t = 0; t < 1.5; t += h) step(h);
+  const std::size_t crowded = step.crowded_steps();
+  const std::vector<double> settled = world.state();
+  double last = world.energy();
+  for (double t = 0; t < 1; t += h) {
+    step(h);
+    CHECK_BETWEEN(world.energy(), -HUGE_VAL, last + 1e-14);  // rounding of 2 J
+    last = world.energy();
+    CHECK(step.touches().empty());
+  }
+  double crept = 0;
+  const std::vector<double> now = world.state();
+  for (std::size_t i = 0; i < now.size(); ++i) crept = std::max(crept, std::fabs(now[i] - settled[i]));
+  std::printf("arm of %d at rest, restitution %g, friction %g: %zu steps crowded, crept by %.2g m\n", links,
+              restitution, friction, step.crowded_steps() - crowded, crept);
+  CHECK_EQUAL(step.crowded_steps(), crowded);
+  CHECK_BETWEEN(crept, 0, 1e-12);  // rounding: 1e-16 measured
+}
+
+/// What stands is not stuck: by a hundred-thousandth of its weight a free one slides off without friction.
+void check_arm_slides() {
+  constexpr double h = 1e-3, pull = 1e-5 * g;
+  World world;
+  arm(world, 2, false);
+  AccurateStep step(world.id, world.space, rubbing(0));
+  for (double t = 0; t < 1.5; t += h) step(h);
+  const double before = dBodyGetPosition(world.bodies[0])[0], speed = dBodyGetLinearVel(world.bodies[0])[0];
+  constexpr int steps = 1000;
+  for (int n = 0; n < steps; ++n) {
+    for (const dBodyID body : world.bodies) dBodyAddForce(body, pull, 0, 0);
+    step(h);
+  }
+  const double slid = dBodyGetPosition(world.bodies[0])[0] - before, t = h * steps;
+  std::printf("free arm, pulled by 1e-5 of its weight: slid %.2g m, off by %.2g m\n", slid,
+              slid - speed * t - pull / 2 * t * t);
+  CHECK_NEAR(slid, speed * t + pull / 2 * t * t, 1e-9);
+}
+
 }  // namespace
 
 int main() {
@@ -197,5 +255,11 @@ int main() {
   check_free_suspension();
   check_roller(false);
   check_roller(true);
+  for (const double friction : {0.0, 0.5}) {
+    for (const double restitution : {0.0, 0.5}) {
+      for (const int links : {2, 3, 4}) check_arm_rests(links, restitution, friction);
+    }
+  }
+  check_arm_slides();
   return odeval::test::verdict();
 }

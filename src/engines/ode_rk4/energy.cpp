@@ -158,17 +158,41 @@ std::vector<char> Flight::pay(const State& before, double work, State& state) co
   return poor;
 }
 
+/// Of the bodies that can not pay for what they gained since `start`, those that stand, on something that does too, and
+/// are off by no more than what joints are mended by, stay where they were. Returns whether all of them do.
+bool Flight::stay(const State& start, const std::vector<char>& poor, State& state) const {
+  std::vector<char> met(state.size(), 0);
+  bool all = true;
+  for (std::size_t first = 0; first < state.size(); ++first) {
+    if (poor[first] == 0 || met[first] != 0) continue;
+    const Group group = group_of(first, state);
+    double farthest = 0;
+    for (std::size_t i = 0; i < state.size(); ++i) {
+      if (group.bodies[i] == 0) continue;
+      met[i] = 1;
+      const Vector3d way = state[i].pose.position - start[i].pose.position;
+      const Vector3d turn = 2 * (turn_of(state[i].pose) * turn_of(start[i].pose).conjugate()).vec();
+      farthest = std::max({farthest, way.norm(), turn.norm()});
+    }
+    const bool stands = group.held && farthest <= mendable;
+    all = all && stands;
+    for (std::size_t i = 0; stands && i < state.size(); ++i) {
+      if (group.bodies[i] != 0) state[i] = start[i];
+    }
+  }
+  return all;
+}
+
 /// At the end of a step: what rests on each other, or `rested` when it began, has no more energy than then, but for
 /// what lifts bodies out of the overlaps that they started with. Errors of the order of the step are paid by the
-/// motion.
+/// motion; what stands has none to pay with.
 bool Flight::keep_energy(const State& start, const std::vector<Contact>& rested, double lift) {
   bool paid = true;
   const bool rests = !resting_.empty() || !rested.empty();
   if (rests && gained(start, there_) > lift + rounding_of_energy(there_)) {
     const std::vector<Contact> rest = resting_;
     resting_.insert(resting_.end(), rested.begin(), rested.end());
-    const std::vector<char> poor = pay(start, 0, there_);
-    paid = std::ranges::find(poor, 1) == poor.end();
+    paid = stay(start, pay(start, 0, there_), there_);
     resting_ = rest;
   }
   taken_ = std::clamp(taken_, 0.0, lift);

@@ -122,6 +122,7 @@ class Flight {
   Group group_of(std::size_t first, const State& state) const;
   void move_rigidly(const Group& group, State& state) const;
   std::vector<char> pay(const State& before, double work, State& state) const;
+  bool stay(const State& start, const std::vector<char>& poor, State& state) const;
   double follow_crowd(const Impact& impact, const Eigen::VectorXd& impulses, std::vector<Contact>& contacts,
                       const std::vector<char>& poor, const State& free, State struck, double h, double work,
                       State& state);
