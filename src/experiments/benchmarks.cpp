@@ -1,10 +1,10 @@
 // The benchmark scenes of others, in ODE and in the engines of this build, beside what was published of them.
 #include <cmath>
-#include <numbers>
 #include <random>
 
 #include "experiments/all.hpp"
 #include "experiments/parts.hpp"
+#include "experiments/rolling.hpp"
 #include "odeval/error.hpp"
 #include "odeval/motion.hpp"
 
@@ -126,81 +126,21 @@ std::pair<std::optional<double>, double> piled(const Scenario& scenario, const c
 constexpr const char* not_here = "not in this build, or the method does not do it";
 constexpr const char* unpublished = "not published";
 
-/// A box that a force pulls over the ground, with 25 balls on it: it slides, they roll.
-struct Rolling {
-  static constexpr double gravity = 9.81, box_kg = 10, ball_kg = 1, force_N = 150, of_ground = 0.4, of_balls = 0.8;
-  static constexpr double duration_s = 4, step_s = 1e-3;
-  static constexpr int balls = 25;
-  /// Of the box, m/s²: friction of the ground takes its part of the force, a ball that rolls is as heavy as 2/7 of it.
-  static constexpr double box =
-      (force_N - of_ground * gravity * (box_kg + balls * ball_kg)) / (box_kg + balls * ball_kg / 3.5);
-  static constexpr double ball = box / 3.5;
-  // A mechanism has forces along joints: three sliders, one on the other, leave the box every way. What they weigh is
-  // little, and they are pushed as well by the force that they need.
-  static constexpr double carrier_kg = 0.1;
-};
 constexpr int iterations = 100;
+constexpr double along_y_deg = 90;
 
-Scenario rolling(const Vec3& along) {
-  Scenario scenario;
-  scenario.name = "rolling";
-  scenario.duration_s = Rolling::duration_s;
-  scenario.step_s = Rolling::step_s;
-  scenario.sample_s = 0.01;
-  scenario.ode.iterations = iterations;
-  scenario.bullet.iterations = iterations;
-  Mechanism& mechanism = scenario.mechanism;
-  mechanism.bodies = {
-      {.shape = Box{{20, 20, 1}}, .mass_kg = Rolling::box_kg, .position_m = {0, 0, 0.5}, .name = "box"}};
-  for (int k = 0; k < Rolling::balls; ++k) {
-    const Vec3 place{2.0 * (k / 5) - 4, 2.0 * (k % 5) - 4, 1.5};
-    mechanism.bodies.push_back({.shape = Sphere{1}, .mass_kg = Rolling::ball_kg, .position_m = place});
-  }
-  const std::size_t first = mechanism.bodies.size();
-  for (const double height : {5.0, 6.0}) {
-    mechanism.bodies.push_back(
-        {.shape = Box{{0.1, 0.1, 0.1}}, .mass_kg = Rolling::carrier_kg, .position_m = {0, 0, height}});
-  }
-  const auto push = [&](int carriers) { return Rolling::force_N + carriers * Rolling::carrier_kg * Rolling::box; };
-  mechanism.joints = {{.kind = SliderJoint{{}, {1, 0, 0}}, .first = first, .second = {}},
-                      {.kind = SliderJoint{{}, {0, 1, 0}}, .first = first + 1, .second = first},
-                      {.kind = SliderJoint{{}, {0, 0, 1}}, .first = 0, .second = first + 1}};
-  mechanism.joints[0].torques = {{.constant = push(2) * along[0]}};
-  mechanism.joints[1].torques = {{.constant = push(1) * along[1]}};
-  mechanism.obstacles = {{HalfSpace{}, "ground"}};
-  mechanism.contacts = {{.friction = Friction{Rolling::of_ground}, .first = "box", .second = "ground"},
-                        {.friction = Friction{Rolling::of_balls}, .first = "box"}};
-  return without_erp(scenario);
-}
-
-/// Mean over time of the squared error of the velocities of the box and a ball, m²/s², pulled in a direction, deg.
 Cell rolled(const char* name, double direction_deg) try {
-  const double direction = direction_deg * std::numbers::pi / 180;
-  const Vec3 along{std::cos(direction), std::sin(direction), 0};
-  const Scenario scenario = rolling(along);
-  const catalogue::Method* const method = here(name, scenario);
+  const catalogue::Method* const method = here(name, rolling::scene(direction_deg, iterations));
   if (method == nullptr) return Missing{not_here};
-  const SampleGrid grid = sample_grid(scenario);
-  const auto simulation = method->make(scenario, grid);
-  Motion motion(simulation->shape(), static_cast<std::size_t>(grid.rows));
-  if (simulation->run(Recorder(motion)).diverged) return finite_cell(none);
-  const Motion& done = motion;
-  double sum = 0;
-  for (std::size_t k = 0; k < done.size(); ++k) {
-    const double t = grid.time(static_cast<long>(k));
-    for (const auto& [body, acceleration] : {std::pair{0, Rolling::box}, std::pair{1, Rolling::ball}}) {
-      const Vec3 off = done[k].bodies[static_cast<std::size_t>(body)].velocity - t * acceleration * along;
-      sum += dot(off, off);
-    }
-  }
-  return sum / static_cast<double>(done.size());
+  const double error = rolling::error(*method, direction_deg, iterations);
+  return finite_cell(std::isfinite(error) ? std::optional(error) : none);
 } catch (const UserError& error) {  // DART has friction of things, not of pairs
   return Missing{error.what()};
 }
 
 }  // namespace
 
-Content benchmarks(Laboratory& laboratory, Findings&) {
+Content benchmarks(Laboratory& laboratory, Findings& findings) {
   report::Table bounce{.name = "bench-bouncing", .columns = {"method", "published, J²", "here, J²"}};
   report::Table stack{.name = "bench-pile", .columns = {"method", "published, m²", "here, m²", "CPU time here, s"}};
   report::Table direction{.name = "bench-rolling",
@@ -220,13 +160,29 @@ Content benchmarks(Laboratory& laboratory, Findings&) {
     const Missing too_long{"not in this build, or too long for a report"};
     stack.rows.push_back({name, cell_of(row.pile, unpublished), tried ? finite_cell(mean) : Cell(too_long),
                           tried ? Cell(seconds) : Cell(too_long)});
-    direction.rows.push_back({name, cell_of(row.along, unpublished), rolled(row.method, 90),
+    direction.rows.push_back({name, cell_of(row.along, unpublished), rolled(row.method, along_y_deg),
                               cell_of(row.diagonal, unpublished), rolled(row.method, 60)});
   }
   Content content;
-  content.values = {{"iterations", iterations},      {"balls", Rolling::balls},      {"box", Rolling::box_kg},
-                    {"ball", Rolling::ball_kg},      {"force", Rolling::force_N},    {"of_ground", Rolling::of_ground},
-                    {"of_balls", Rolling::of_balls}, {"until", Rolling::duration_s}, {"step", 1e3 * Rolling::step_s}};
+  const int few = OdeSettings{}.iterations;
+  const catalogue::Method& quick = catalogue::find_method("ode-quickstep-double");
+  const rolling::QuickStep errors{rolling::error(quick, along_y_deg, iterations),
+                                  rolling::error(quick, along_y_deg, few),
+                                  rolling::error(quick, along_y_deg, iterations, rolling::light)};
+  findings.add("bench.rolling_quickstep", measured("error of QuickStep's rolling scene along y", "m²/s²", errors.led));
+  findings.add("bench.rolling_quickstep_light",
+               measured("the same with light sliders on a lever", "m²/s²", errors.light_lead));
+  content.values = {{"iterations", iterations},
+                    {"balls", rolling::balls},
+                    {"box", rolling::box_kg},
+                    {"ball", rolling::ball_kg},
+                    {"force", rolling::force_N},
+                    {"of_ground", rolling::of_ground},
+                    {"of_balls", rolling::of_balls},
+                    {"until", rolling::duration_s},
+                    {"step", 1e3 * rolling::step_s},
+                    {"slider", rolling::Lead{}.slider_kg},
+                    {"quickstep", rolling::about(errors, iterations, few)}};
   content.exhibits.emplace_back(std::move(bounce));
   content.exhibits.emplace_back(std::move(stack));
   content.exhibits.emplace_back(std::move(direction));

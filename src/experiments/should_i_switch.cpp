@@ -136,6 +136,8 @@ std::string name_of(const Way& way) {
   return std::string(way.method->name) + (way.settings.empty() ? "" : ": " + way.settings);
 }
 
+}  // namespace
+
 std::string sentence_of(const Advice& advice) {
   const std::string gain = gain_of(advice);
   switch (advice.move) {
@@ -151,6 +153,19 @@ std::string sentence_of(const Advice& advice) {
   }
   return {};
 }
+
+std::string setting_of(const Way& way, const Tried& tried) {
+  const bool adaptive = way.method->order == 0;
+  const auto told = [&](double setting) {
+    return adaptive ? fmt::format("rtol {}", shown(setting)) : fmt::format("{} ms", shown(1e3 * setting));
+  };
+  if (tried.keeps) return told(tried.setting);
+  const std::string tried_to = fmt::format("not reached down to {}", told(tried.setting));
+  if (!std::isfinite(tried.best.error)) return tried_to;
+  return fmt::format("{}, least at {}", tried_to, told(tried.best_setting));
+}
+
+namespace {
 
 report::Cell cell_of(const Found& found) {
   if (std::isfinite(found.error)) return found.error;
@@ -187,10 +202,9 @@ void add_rows(const Task& task, const Stage& stage, const Result& result, report
     const report::Missing never{"no setting of the ladder keeps it"};
     const auto kept = [&](report::Cell cell) { return tried.keeps ? std::move(cell) : report::Cell(never); };
     at_error.rows.push_back({std::string(task.text), std::string(stage.label), name_of(way),
-                             fmt::format("{} {}", shown(stage.budget), unit),
-                             kept(adaptive ? fmt::format("rtol {}", shown(tried.setting))
-                                           : fmt::format("{} ms", shown(1e3 * tried.setting))),
-                             cell_of(tried.error), kept(tried.us_per_s), kept(factor_of(result, i))});
+                             fmt::format("{} {}", shown(stage.budget), unit), setting_of(way, tried),
+                             cell_of(tried.keeps ? tried.error : tried.best), kept(tried.us_per_s),
+                             kept(factor_of(result, i))});
     if (!way.shown_at_step()) continue;
     const report::Missing own{"it chooses its own steps"};
     at_step.rows.push_back(
@@ -199,6 +213,14 @@ void add_rows(const Task& task, const Stage& stage, const Result& result, report
          adaptive ? report::Cell(own) : cell_of({1e3 * tried.equal_cpu_s, tried.error_at_cpu.why_none}),
          adaptive ? report::Cell(own) : cell_of(tried.error_at_cpu)});
   }
+}
+
+/// Of three motions that between the easiest and the hardest.
+constexpr std::size_t stage_drawn = 1;
+
+/// "b: 16 links, 0.5 s".
+std::string panel_title(std::size_t number, const Stage& stage) {
+  return fmt::format("{}: {}", static_cast<char>('a' + number), stage.label);
 }
 
 /// What each makes of the energy and the angular momentum of a body that tumbles freely.
@@ -235,6 +257,7 @@ Content should_i_switch(Laboratory& laboratory, Findings& findings) {
       .name = "switch-equal-step",
       .columns = {"task", "motion", "method", "unit", "error at " + step, "energy drift at " + step + ", J",
                   "CPU time, µs a step of " + step, "step of ODE's CPU time, ms", "error at ODE's CPU time"}};
+  report::Figure figure{.name = "switch-figure", .columns = 3};
   for (const Task& task : tasks()) {
     table.evidence.emplace_back(task.evidence);
     const std::string meaning = fmt::format("CPU time of ODE as it is over that of the advice, {}", task.text);
@@ -242,8 +265,10 @@ Content should_i_switch(Laboratory& laboratory, Findings& findings) {
     try {
       std::vector<Result> results;
       for (const Stage& stage : task.stages) {
-        results.push_back(result_of(stage, laboratory));
+        const bool drawn = &stage == &task.stages[stage_drawn];
+        results.push_back(result_of(stage, laboratory, drawn));
         add_rows(task, stage, results.back(), at_error, at_step);
+        if (drawn) figure.panels.push_back(panel_of(panel_title(figure.panels.size(), stage), stage, results.back()));
       }
       const std::optional<Advice> advice = advice_of(results);
       if (!advice) throw MachineError("nobody keeps the error on every motion");
@@ -265,8 +290,10 @@ Content should_i_switch(Laboratory& laboratory, Findings& findings) {
   content.values = {{"left_out", left_out(all)},
                     {"worth", worth},
                     {"coarsest", 1e3 * steps_tried_s().front()},
-                    {"finest", 1e3 * steps_tried_s().back()}};
+                    {"finest", 1e3 * steps_tried_s().back()},
+                    {"equal", 1e3 * equal_step_s}};
   content.exhibits.emplace_back(std::move(table));
+  content.exhibits.emplace_back(std::move(figure));
   content.exhibits.emplace_back(std::move(at_error));
   content.exhibits.emplace_back(std::move(at_step));
   content.exhibits.emplace_back(momentum(laboratory));

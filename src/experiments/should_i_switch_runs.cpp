@@ -127,6 +127,11 @@ class Bench {
     bool kept_before = false;
     for (const double setting : ladder) {
       const Run run = this->run(way, setting);
+      tried.rungs.push_back({setting, run.found.error, NAN});
+      if (run.found.error < tried.best.error || tried.best_setting == 0) {
+        tried.best_setting = setting;
+        tried.best = run.found;
+      }
       if (kept_before && keeps(run)) return;
       kept_before = keeps(run);
       tried.keeps = kept_before;
@@ -170,6 +175,23 @@ std::vector<double> timed(const Bench& bench, const std::vector<Way>& ways, cons
   return us_per_s;
 }
 
+/// CPU times of all that the figure shows, in turns.
+void time_rungs(const Bench& bench, Result& result) {
+  std::vector<Way> ways;
+  std::vector<double> settings;
+  std::vector<Rung*> rungs;
+  for (const Curve& curve : curves_of(result)) {
+    for (Rung& rung : result.tried[curve.way].rungs) {
+      if (!std::isfinite(rung.error)) continue;
+      ways.push_back(result.ways[curve.way]);
+      settings.push_back(rung.setting);
+      rungs.push_back(&rung);
+    }
+  }
+  const std::vector<double> us_per_s = timed(bench, ways, settings);
+  for (std::size_t k = 0; k < rungs.size(); ++k) rungs[k]->us_per_s = us_per_s[k];
+}
+
 }  // namespace
 
 std::vector<Way> ways(const Scenario& scenario) {
@@ -200,7 +222,7 @@ std::vector<Way> ways(const Scenario& scenario) {
   return all;
 }
 
-Result result_of(const Stage& stage, Laboratory& laboratory) {
+Result result_of(const Stage& stage, Laboratory& laboratory, bool drawn) {
   const Bench bench(stage, laboratory);
   Result result{ways(bench.scenario()), {}};
   result.tried.resize(result.ways.size());
@@ -237,6 +259,7 @@ Result result_of(const Stage& stage, Laboratory& laboratory) {
     tried.error_at_cpu = rows < 1 ? Found{INFINITY, fmt::format("a step of {} ms costs more", shown(1e3 * rows_s))}
                                   : bench.run(result.ways[i], tried.equal_cpu_s).found;
   }
+  if (drawn) time_rungs(bench, result);
   return result;
 }
 

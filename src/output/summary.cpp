@@ -8,6 +8,7 @@
 
 #include "odeval/metrics.hpp"
 #include "output/csv_cell.hpp"
+#include "output/impacts.hpp"
 #include "output/json_number.hpp"
 #include "output/mechanism_report.hpp"
 #include "output/number.hpp"
@@ -202,8 +203,12 @@ std::string summary_json(const RunSummary& run) {
   json["error_at"] = errors_at(run);
   if (outcome.self_difference) json["self_difference"] = json_number(*outcome.self_difference);
   json["at_rest_from"] = outcome.at_rest_from < 0 ? Json() : json_number(outcome.at_rest_from);
-  json["impacts"] = Json::array();
-  for (const Impact& impact : outcome.impacts) json["impacts"].push_back(json_of(impact));
+  if (tells_impacts(run.scenario)) {
+    json["impacts"] = Json::array();
+    for (const Impact& impact : outcome.impacts) json["impacts"].push_back(json_of(impact));
+  } else {
+    json["impacts"] = Json();
+  }
   put_parts(json, run);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }
@@ -245,7 +250,7 @@ std::string summary_csv(const std::vector<RunSummary>& runs) {
       const Metrics* at = metrics_at(run, time);
       for (const quantity::Id error : errors_in_csv) text += ',' + (at == nullptr ? "" : cell((*at)[error]));
     }
-    text += fmt::format(",{},{}\n", outcome.impacts.size(),
+    text += fmt::format(",{},{}\n", tells_impacts(run.scenario) ? std::to_string(outcome.impacts.size()) : "",
                         outcome.at_rest_from < 0 ? "" : number_text(outcome.at_rest_from));
   }
   return text;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "output/impacts.hpp"
 #include "output/terminal.hpp"
 
 namespace odeval {
@@ -87,6 +88,10 @@ std::string cost_cell(std::span<const double> ns_per_step, std::size_t run) {
   return run < ns_per_step.size() ? three_digits(ns_per_step[run] / 1e3) : "-";
 }
 
+std::string impacts_cell(const RunSummary& run) {
+  return tells_impacts(run.scenario) ? std::to_string(run.outcome.impacts.size()) : "-";
+}
+
 std::string body_table(const std::vector<RunSummary>& runs, std::span<const double> ns_per_step) {
   const bool forces = runs.front().metrics[quantity::max_reaction_error].has_value();
   const auto force_or_momentum = forces ? quantity::max_reaction_error : quantity::max_angular_momentum_drift;
@@ -96,12 +101,11 @@ std::string body_table(const std::vector<RunSummary>& runs, std::span<const doub
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const RunSummary& run = runs[i];
     const Metrics* const early = metrics_until(run, 1);
-    table.add({run.method, error_cell(run, early, quantity::max_error_position),
-               error_cell(run, &run.metrics, quantity::max_error_position),
-               error_cell(run, early, quantity::max_error_turn),
-               error_cell(run, &run.metrics, quantity::max_error_turn),
-               three_digits(run.metrics[quantity::max_energy_drift]), three_digits(run.metrics[force_or_momentum]),
-               std::to_string(run.outcome.impacts.size()), cost_cell(ns_per_step, i), status(run)});
+    table.add(
+        {run.method, error_cell(run, early, quantity::max_error_position),
+         error_cell(run, &run.metrics, quantity::max_error_position), error_cell(run, early, quantity::max_error_turn),
+         error_cell(run, &run.metrics, quantity::max_error_turn), three_digits(run.metrics[quantity::max_energy_drift]),
+         three_digits(run.metrics[force_or_momentum]), impacts_cell(run), cost_cell(ns_per_step, i), status(run)});
   }
   return table.text();
 }
@@ -119,7 +123,7 @@ std::string summary_table(const std::vector<RunSummary>& runs, std::span<const d
                error_cell(run, &run.metrics, quantity::max_error_q),
                three_digits(run.metrics[quantity::divergence_time]),
                three_digits(run.metrics[quantity::max_energy_drift]), three_digits(run.metrics[quantity::max_gap]),
-               std::to_string(run.outcome.impacts.size()), cost_cell(ns_per_step, i), status(run)});
+               impacts_cell(run), cost_cell(ns_per_step, i), status(run)});
   }
   return table.text();
 }

@@ -319,7 +319,7 @@ void check_table(const Results& results, const json& run) {
     json wanted;
     const std::size_t at = names[i].find("_at_");
     if (names[i] == "impacts") {
-      wanted = run["impacts"].size();
+      if (run["impacts"].is_array()) wanted = run["impacts"].size();
     } else if (names[i] == "step" || names[i] == "duration") {
       wanted = run["settings"][names[i]];
     } else if (at != std::string::npos) {

@@ -91,11 +91,11 @@ void MujocoWorld::look_for_loads() {
     const int joint = mj_name2id(model_.get(), mjOBJ_JOINT, (name_of(hanging.body) + "d0").c_str());
     loads_.add(mechanism_.joints[*hanging.joint], {model_->jnt_qposadr[joint], model_->jnt_dofadr[joint]});
   }
-  if (loads_.empty()) return;
+  if (loads_.empty() && mechanism_.contacts.empty()) return;
   MujocoWorld* const self = this;
   static_assert(sizeof self == sizeof(mjtNum));
   std::memcpy(data_->userdata, &self, sizeof self);
-  mjcb_passive = &add_loads;  // of all worlds of the process
+  mjcb_passive = &in_stage;  // of all worlds of the process
 }
 
 // A free joint's speeds are the velocity in the world and the spin in the body; a ball's spin is in the body as well.
@@ -112,11 +112,12 @@ void MujocoWorld::start() {
   }
 }
 
-void MujocoWorld::add_loads(const mjModel* model, mjData* data) {
+void MujocoWorld::in_stage(const mjModel* model, mjData* data) {
   MujocoWorld* self = nullptr;
   if (model->nuserdata == 0) return;  // another's world
   std::memcpy(&self, data->userdata, sizeof self);
   if (self == nullptr) return;
+  self->look_for_contacts();
   self->loads_.apply(
       self->from_s_ + (data->time - self->from_by_clock_), [self](const Coordinate& at) { return self->way(at); },
       [self](const Coordinate& at) { return self->rate(at); },
@@ -129,6 +130,7 @@ long MujocoWorld::step(double from, double) {
   if (too_stiff_) throw Lost("mujoco.time_constant is less than two steps");
   from_s_ = from;
   from_by_clock_ = data_->time;
+  touched_ = {};
   if (!loads_.empty()) {
     loads_.sample(
         from, [this](const Coordinate& at) { return way(at); }, [this](const Coordinate& at) { return rate(at); });
@@ -165,14 +167,15 @@ const std::vector<Placed>& MujocoWorld::bodies() {
   return bodies_;
 }
 
-engine_tree::Touched MujocoWorld::touched() {
-  engine_tree::Touched touched;
+// After a step MuJoCo has the contacts of its last stage alone: what it pushed off in the first would be none.
+void MujocoWorld::look_for_contacts() {
+  long contacts = 0;
   for (int k = 0; k < data_->ncon; ++k) {
     if (data_->contact[k].dist > 0) continue;
-    ++touched.contacts;
-    touched.depth = std::fmax(touched.depth, -data_->contact[k].dist);
+    ++contacts;
+    touched_.depth = std::fmax(touched_.depth, -data_->contact[k].dist);
   }
-  return touched;
+  touched_.contacts = std::max(touched_.contacts, contacts);
 }
 
 // Of the axes of a contact the first points from its first thing to its second.

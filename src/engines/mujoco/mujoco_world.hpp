@@ -23,7 +23,7 @@ class MujocoWorld final : public engine_tree::World {
 
   long step(double from, double to) override;
   const std::vector<engine_tree::Placed>& bodies() override;
-  engine_tree::Touched touched() override;
+  engine_tree::Touched touched() override { return touched_; }
   std::vector<Vec3> contact_forces() override;
   std::vector<Vec3> closing_forces() override;
   Told told() const override;
@@ -41,8 +41,9 @@ class MujocoWorld final : public engine_tree::World {
 
   void start();
   void look_for_loads();
-  /// What MuJoCo calls in every stage of a step.
-  static void add_loads(const mjModel* model, mjData* data);
+  /// What MuJoCo calls in every stage of a step, which has its contacts: puts the loads on.
+  static void in_stage(const mjModel* model, mjData* data);
+  void look_for_contacts();
   double way(const Coordinate& at) const { return data_->qpos[at.position]; }
   double rate(const Coordinate& at) const { return data_->qvel[at.speed]; }
 
@@ -55,8 +56,9 @@ class MujocoWorld final : public engine_tree::World {
   std::unique_ptr<mjData, Free> data_;
   std::vector<int> number_;  // MuJoCo's of each body
   engine_tree::JointLoads<Coordinate> loads_;
-  double from_s_ = 0;         // where the step began,
-  mjtNum from_by_clock_ = 0;  // and by MuJoCo's own clock, which adds steps up
+  double from_s_ = 0;             // where the step began,
+  mjtNum from_by_clock_ = 0;      // and by MuJoCo's own clock, which adds steps up
+  engine_tree::Touched touched_;  // in any stage of the last step
   std::vector<engine_tree::Placed> bodies_;
 };
 

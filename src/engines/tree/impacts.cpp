@@ -26,13 +26,13 @@ void Impacts::look(double from_s, const Touched& touched, const std::vector<Plac
       one.impact = impacts_.size();
       impacts_.push_back({from_s, view.as_angle ? angles.front() : height, approach, 0, 0, view.link});
     }
+    if (!touching) one.impact.reset();
     if (one.impact) {
       Impact& impact = impacts_[*one.impact];
       impact.qd_after = rate(view, after);
       impact.depth = std::max(impact.depth, depth);
     }
     one.touching = touching;
-    if (!touching) one.impact.reset();
   }
 }
 
