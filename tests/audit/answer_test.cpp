@@ -1,4 +1,4 @@
-// What a whole audit says of programs (plain.c) of which it is known, beside the error that truth_test holds it to.
+// What a whole audit says of programs (of plain/) of which it is known, beside the error that truth_test holds it to.
 #include <cmath>
 #include <cstdlib>
 #include <fstream>

@@ -1,4 +1,4 @@
-// The ledger of the audit, of programs (plain.c) whose works are known.
+// The ledger of the audit, of programs (of plain/) whose works are known.
 #include <cmath>
 #include <cstdlib>
 

@@ -1,5 +1,5 @@
 #pragma once
-// The file of poses that plain.c writes.
+// The file of poses that audit_plain writes.
 #include <array>
 #include <cstdio>
 #include <filesystem>

@@ -13,7 +13,7 @@ using namespace odeval::test;
 
 const TemporaryFolder folder;
 
-/// What plain.c does with these variables in its environment.
+/// What audit_plain does with these variables in its environment.
 std::vector<Pose> run(const std::string& variables, const std::string& scenario, double h) {
   const auto file = folder.path() / "poses";
   const std::string command =

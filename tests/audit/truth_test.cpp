@@ -1,4 +1,4 @@
-// Programs as users of ODE write them (plain.c): does the error that the audit states cover the error that they have?
+// Programs as users of ODE write them (of plain/): does the error that the audit states cover the error that they have?
 #include <array>
 #include <cstdlib>
 #include <fstream>
