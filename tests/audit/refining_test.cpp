@@ -82,7 +82,7 @@ void springs_are_held() {
   for (const auto& [scenario, bodies] :
        {Case{"spring"}, Case{"soft_weld"}, Case{"suspension"}, Case{"soft_stop"}, Case{"soft_stops", 8},
         Case{"soft_contact"}, Case{"soft_erp_contact"}, Case{"soft_cfm_contact"}, Case{"damped"}, Case{"sleeper"},
-        Case{"born_sleeper"}}) {
+        Case{"born_sleeper"}, Case{"self_damped"}}) {
     const std::vector<Pose> halves = every_second(run("", scenario, 5e-4), bodies);
     const std::string twice = loaded + "ODEVAL_AUDIT_REFINE=2 ";
     CHECK_BETWEEN(largest_distance(halves, run(twice, scenario, 1e-3)), 0, 1e-12);
@@ -129,6 +129,21 @@ void feedback_of_the_second_body_is_its_own() {
   const std::vector<Pose> halves = every_second(run("", "second_touch", 5e-4), 1);
   const std::vector<Pose> parts = run(loaded + "ODEVAL_AUDIT_REFINE=2", "second_touch", 1e-3);
   CHECK_BETWEEN(largest_distance(halves, parts), 0, 0.002);
+}
+
+// A body's callback is called once a step of the program, with where the step has moved it to, with its own damping,
+// and with the program's random numbers (the program looks for itself): also of one that comes to rest within a step,
+// not of one that is at rest, and not in a step that half of is taken back. What it does to velocities is done once a
+// step then, so that nothing of the motion is another in parts.
+void callbacks_of_moved_bodies_are_called_once_a_step() {
+  for (const char* settings : {"REFINE=1", "REFINE=2", "REFINE=3", "REFINE=8", "SET=start=half-step",
+                               "REFINE=8 ODEVAL_AUDIT_HOLD=numbers", "SET=stepper=quick"}) {
+    CHECK(!run(loaded + "ODEVAL_AUDIT_" + settings, "noticed", 1e-3).empty());
+  }
+  const std::vector<Pose> own = run("", "braked", 1e-3);
+  CHECK_BETWEEN(largest_distance(own, run(loaded + "ODEVAL_AUDIT_REFINE=8", "braked", 1e-3)), 0, 1e-12);
+  const std::string accurate = "ODEVAL_AUDIT_SET=stepper=accurate ODEVAL_AUDIT_ACCURATE=" ODEVAL_ACCURATE_LIBRARY;
+  CHECK_BETWEEN(largest_distance(own, run(loaded + accurate, "braked", 1e-3)), 0, 1e-12);
 }
 
 // What the program draws of ODE's random numbers is what it would have drawn, whatever its callback draws in between:
@@ -186,6 +201,7 @@ int main() {
   feedback_of_contacts_is_the_impulse();
   feedback_at_a_shared_place_is_taken_once();
   feedback_of_the_second_body_is_its_own();
+  callbacks_of_moved_bodies_are_called_once_a_step();
   random_numbers_are_the_programs();
   joints_are_made_with_what_is_tried();
   what_is_tried_is_set();

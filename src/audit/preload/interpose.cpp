@@ -21,6 +21,8 @@ void forget_geom(dGeomID geom) {
   Session::get().follow([geom](Session& session) { session.collisions().forget(geom); });
 }
 
+void take_moved(dBodyID body) { Session::get().moved(body); }
+
 }  // namespace
 
 #define ODEVAL_JOINT(kind)                                                                         \
@@ -77,13 +79,23 @@ void ODEVAL_BEFORE(dJointGroupDestroy)(dJointGroupID group) {
 dBodyID ODEVAL_BEFORE(dBodyCreate)(dWorldID world) {
   dBodyID body = ODEVAL_OWN(dBodyCreate)(world);
   Session::get().give_samples(body);
+  Session::get().moved_callbacks().forget(body);  // of one that was there before, and went with its world
   follow<dWorldID, dBodyID>(&Worlds::add, world, body);
   return body;
 }
 
 void ODEVAL_BEFORE(dBodyDestroy)(dBodyID body) {
   if (body != nullptr) follow<dBodyID>(&Worlds::forget, body);
+  Session::get().moved_callbacks().forget(body);
   ODEVAL_OWN(dBodyDestroy)(body);
+}
+
+// ODE's is this library's, which calls the program's once a step of the program.
+void ODEVAL_BEFORE(dBodySetMovedCallback)(dBodyID body, void (*callback)(dBodyID)) {
+  Session& session = Session::get();
+  if (!session.follows()) return ODEVAL_OWN(dBodySetMovedCallback)(body, callback);
+  session.moved_callbacks().set(body, callback);
+  ODEVAL_OWN(dBodySetMovedCallback)(body, callback == nullptr ? nullptr : take_moved);
 }
 
 void ODEVAL_BEFORE(dWorldDestroy)(dWorldID world) {

@@ -50,6 +50,7 @@ void keep_velocities(Body& body) {
   std::copy_n(dBodyGetForce(body.id), 3, body.force.begin());
   std::copy_n(dBodyGetTorque(body.id), 3, body.torque.begin());
   body.moves = dBodyIsKinematic(body.id) == 0;
+  body.told = false;
 }
 
 /// Which stop ODE will find the joint at: 1, the low one, 2 or none, 0.
@@ -117,21 +118,11 @@ void take_body(World& world, Body& body, dReal h) {
   const double linear = undamped(velocity, dBodyGetLinearDamping(body.id), dBodyGetLinearDampingThreshold, body.id);
   const double angular = undamped(spin, dBodyGetAngularDamping(body.id), dBodyGetAngularDampingThreshold, body.id);
   for (std::size_t i = 0; i < 3; ++i) {
-    body.velocity[i] = (body.velocity[i] + linear * velocity[i]) / 2;
-    body.spin[i] = (body.spin[i] + angular * spin[i]) / 2;
+    body.velocity[i] = (body.velocity[i] + (body.told ? body.velocity_told[i] : linear * velocity[i])) / 2;
+    body.spin[i] = (body.spin[i] + (body.told ? body.spin_told[i] : angular * spin[i])) / 2;
   }
   world.work.damping -= energy_beyond(body, linear, angular);
   world.work.added += h * (dot(body.force.data(), body.velocity.data()) + dot(body.torque.data(), body.spin.data()));
-}
-
-/// Where a body stands among the world's; `hint` is where it stood. Null: it is the world, or another world's.
-const Body* find(const World& world, dBodyID body, std::size_t& hint) {
-  if (body == nullptr) return nullptr;
-  if (hint < world.bodies.size() && world.bodies[hint].id == body) return &world.bodies[hint];
-  const auto found = std::ranges::find(world.bodies, body, &Body::id);
-  if (found == world.bodies.end()) return nullptr;
-  hint = static_cast<std::size_t>(found - world.bodies.begin());
-  return &*found;
 }
 
 double work_on(const Body* body, const dReal* force, const dReal* torque, dReal h) {
@@ -148,12 +139,12 @@ struct Ledger::Acting {
   const Body* first;
   const Body* second;
 
-  Acting(const World& world, dJointID joint, std::array<std::size_t, 2>& hints)
+  Acting(World& world, dJointID joint, std::array<std::size_t, 2>& hints)
       : forces(dJointGetFeedback(joint)), id(dJointGetBody(joint, 0)) {
     dBodyID other = dJointGetBody(joint, 1);
     if (id == nullptr) std::swap(id, other);
-    first = find(world, id, hints[0]);
-    second = find(world, other, hints[1]);
+    first = world.find(id, hints[0]);
+    second = world.find(other, hints[1]);
   }
   double work(dReal h) const {
     return work_on(first, forces->f1, forces->t1, h) + work_on(second, forces->f2, forces->t2, h);

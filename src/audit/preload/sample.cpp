@@ -139,6 +139,14 @@ Energy energy_of(const World& world) {
   return energy;
 }
 
+Energy energy_of(const World& world, const Body& body) {
+  dVector3 gravity;
+  dWorldGetGravity(world.id, gravity);
+  Energy energy;
+  add_energy(body, gravity, energy);
+  return energy;
+}
+
 const std::vector<char>& Sampler::take(World& world, const Step& step) {
   const std::size_t of_body = sizeof(BodySample) + (motions_ ? sizeof(MotionSample) : 0);
   bytes_.resize(sizeof(Frame) + world.bodies.size() * of_body + (account_ ? sizeof(Account) : 0));

@@ -15,6 +15,7 @@ struct Energy {
   double sum() const { return kinetic + potential; }
 };
 Energy energy_of(const World& world);
+Energy energy_of(const World& world, const Body& body);
 
 /// A frame with what goes with it, as bytes, until the next call.
 class Sampler {

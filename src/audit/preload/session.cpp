@@ -236,8 +236,12 @@ int Session::accurately(dWorldID id, dReal h) {
   std::vector<dBodyID> bodies;
   for (const Body& body : world.bodies) bodies.push_back(body.id);
   char why[sizeof(Head::last_words)] = "contacts are made by the program's own callback";
-  if (world.contacts == 0 && step != nullptr && step(id, bodies.data(), bodies.size(), h, why, sizeof why) != 0)
+  if (world.contacts == 0 && step != nullptr && step(id, bodies.data(), bodies.size(), h, why, sizeof why) != 0) {
+    for (dBodyID body : bodies) {
+      if (dBodyIsEnabled(body) != 0) session.moved(body);
+    }
     return 1;
+  }
   if (Head* head = session.record_.head()) std::copy(std::begin(why), std::end(why), head->last_words);
   session.end(not_accurately);
 }
@@ -246,7 +250,10 @@ void Session::first_step(World& world, dReal h, Stepper stepper, bool quick) {
   if (settings_.move_m != 0) {
     for (const Body& body : world.bodies) move(body, settings_.move_m);
   }
-  overrides_.begin(world, h, stepper);
+  {
+    const MovedCallbacks::Held held(moved_callbacks_);  // what a start is made by is no step of the program
+    overrides_.begin(world, h, stepper);
+  }
   if (ledger_ && world.number == first_world_) {
     collisions_.each_space([this](dSpaceID space) { ledger_->draw_space(space); });
   }
@@ -292,9 +299,11 @@ int Session::whole(World& world, dReal h, Stepper stepper) {
     world.work.program += energy_of(world).sum() - world.energy;
     step.emplace(*ledger_, world);
   }
+  accounts_ = step.has_value();
   const double begun_s = now_s();
   const int result = stepper(world.id, h);
   ode_s_ = now_s() - begun_s;
+  accounts_ = false;
   ++world.steps;
   world.t += h;
   if (step) {
@@ -310,7 +319,7 @@ int Session::parts(World& world, dReal h, Stepper stepper, const void* frame_of_
   world.keep_forces();
   Feedback feedback(world, k);
   std::optional<Softened> softened;
-  unsigned long seed = 0;
+  MovedCallbacks::Held held(moved_callbacks_);
   int result = 1;
   for (int part = 0; part < k; ++part) {
     if (part > 0) {
@@ -321,15 +330,56 @@ int Session::parts(World& world, dReal h, Stepper stepper, const void* frame_of_
       world.put_forces_back();
     }
     if (settings_.hold_springs && !softened) softened.emplace(world, k);
+    if (part == k - 1) held.release();
     result = stepper(world.id, h / k) != 0 ? result : 0;
     feedback.add();
-    if (part == 0) seed = dRandGetSeed();
+    if (part == 0) own_seed_ = dRandGetSeed();
   }
   feedback.hand_over();
-  dRandSetSeed(seed);  // what the program draws next is what it would have drawn
+  softened.reset();
+  tell_others(world);
+  dRandSetSeed(*own_seed_);  // what the program draws next is what it would have drawn
+  own_seed_.reset();
   ++world.steps;
   world.t += h;
   return result;
+}
+
+void Session::moved(dBodyID body) {
+  if (MovedCallbacks::Row* row = moved_callbacks_.moved(body)) tell(body, *row);
+}
+
+void Session::tell(dBodyID id, MovedCallbacks::Row& row) {
+  const MovedCallbacks::Callback callback = row.callback;
+  World& world = worlds_.of(dBodyGetWorld(id));
+  Body* body = world.find(id, row.place);
+  if (body == nullptr) return callback(id);
+  std::size_t place = row.place;  // the callback may take itself away
+  if (world.softened != nullptr) world.softened->give_own_numbers(*body);
+  const double before = accounts_ ? energy_of(world, *body).sum() : 0;
+  if (accounts_) body->keep_as_told();
+  const unsigned long of_part = dRandGetSeed();
+  if (own_seed_) dRandSetSeed(*own_seed_);
+  callback(id);
+  if (own_seed_) {
+    own_seed_ = dRandGetSeed();
+    dRandSetSeed(of_part);
+  }
+  body = world.find(id, place);  // it may have made others
+  if (body == nullptr) return;
+  if (world.softened != nullptr) world.softened->take_own_numbers(*body);
+  if (!accounts_) return;
+  const std::lock_guard guard(lock_);
+  world.work.program += energy_of(world, *body).sum() - before;
+}
+
+void Session::tell_others(const World& world) {
+  if (moved_callbacks_.empty()) return;
+  std::vector<dBodyID> bodies;
+  for (const Body& body : world.bodies) bodies.push_back(body.id);
+  for (dBodyID body : bodies) {
+    if (MovedCallbacks::Row* row = moved_callbacks_.due(body)) tell(body, *row);
+  }
 }
 
 bool Session::empty_contacts(const World& world, const void* frame_of_step) {

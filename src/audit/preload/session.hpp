@@ -10,6 +10,7 @@
 
 #include "audit/preload/collisions.hpp"
 #include "audit/preload/ledger.hpp"
+#include "audit/preload/moved.hpp"
 #include "audit/preload/overrides.hpp"
 #include "audit/preload/record.hpp"
 #include "audit/preload/sample.hpp"
@@ -41,6 +42,10 @@ class Session {
   }
   Worlds& worlds() { return worlds_; }
   Collisions& collisions() { return collisions_; }
+  MovedCallbacks& moved_callbacks() { return moved_callbacks_; }
+
+  /// ODE has moved the body, in a step and in whichever thread: calls the program's callback where it is to.
+  void moved(dBodyID body);
 
   /// One step of the program, of the length h that it asked for. Frames of the program's functions that have returned
   /// were below `frame_of_step`.
@@ -101,6 +106,10 @@ class Session {
   /// Between the parts of a step. False where contacts are not to be made anew, or can not.
   bool empty_contacts(const World& world, const void* frame_of_step);
   void renew_contacts(World& world);
+  /// Calls the callback, for which the body's numbers and ODE's random numbers are the program's.
+  void tell(dBodyID body, MovedCallbacks::Row& row);
+  /// Bodies that the last part of the step has not moved, and another has.
+  void tell_others(const World& world);
   void require_thread();
   /// The calling thread is the one that steps and collides, until it ends. Ends the program where there is another.
   void take_thread();
@@ -114,9 +123,12 @@ class Session {
   Overrides overrides_;
   Worlds worlds_;
   Collisions collisions_;
+  MovedCallbacks moved_callbacks_;
   Sampler sampler_;
   std::optional<std::uint32_t> first_world_;  // that steps
   int collide_depth_ = 0;
+  bool accounts_ = false;                    // for the step that ODE takes
+  std::optional<unsigned long> own_seed_;    // of the program, while ODE has that of a part
   std::uint64_t steps_ = 0;                  // of all worlds
   bool timed_ = false;                       // the next step, and the collisions for it
   double collide_s_ = 0;                     // since the last step

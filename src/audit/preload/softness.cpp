@@ -89,12 +89,14 @@ void soften(dSurfaceParameters& surface, Softness world, int k) {
   surface.soft_cfm = part.cfm;
 }
 
-Softened::Softened(World& world, int k) : world_(world), before_{dWorldGetERP(world.id), dWorldGetCFM(world.id)} {
+Softened::Softened(World& world, int k)
+    : world_(world), k_(k), before_{dWorldGetERP(world.id), dWorldGetCFM(world.id)} {
   const Softness part = at_part_of_step(before_, k);
   dWorldSetERP(world.id, part.erp);
   dWorldSetCFM(world.id, part.cfm);
   joints(world, k);
-  bodies(world, k);
+  for (Body& body : world.bodies) take_own_numbers(body);
+  world.softened = this;
 }
 
 void Softened::joints(World& world, int k) {
@@ -105,29 +107,32 @@ void Softened::joints(World& world, int k) {
   }
 }
 
-void Softened::bodies(World& world, int k) {
-  for (Body& body : world.bodies) {
-    body.damping = {dBodyGetLinearDamping(body.id), dBodyGetAngularDamping(body.id)};
-    body.steps_to_rest = dBodyGetAutoDisableSteps(body.id);
-    if (body.damping[0] != 0) dBodySetLinearDamping(body.id, scale_at_part(body.damping[0], k));
-    if (body.damping[1] != 0) dBodySetAngularDamping(body.id, scale_at_part(body.damping[1], k));
-    dBodySetAutoDisableSteps(body.id, body.steps_to_rest * k);
-  }
+void Softened::take_own_numbers(Body& body) const {
+  body.damping = {dBodyGetLinearDamping(body.id), dBodyGetAngularDamping(body.id)};
+  body.steps_to_rest = dBodyGetAutoDisableSteps(body.id);
+  if (body.damping[0] != 0) dBodySetLinearDamping(body.id, scale_at_part(body.damping[0], k_));
+  if (body.damping[1] != 0) dBodySetAngularDamping(body.id, scale_at_part(body.damping[1], k_));
+  dBodySetAutoDisableSteps(body.id, body.steps_to_rest * k_);
+}
+
+void Softened::give_own_numbers(Body& body) const {
+  if (body.steps_to_rest < 0) return;  // a callback has made it since
+  if (body.damping[0] != 0) dBodySetLinearDamping(body.id, body.damping[0]);
+  if (body.damping[1] != 0) dBodySetAngularDamping(body.id, body.damping[1]);
+  dBodySetAutoDisableSteps(body.id, body.steps_to_rest);
+  body.damping = {};
+  body.steps_to_rest = -1;
 }
 
 Softened::~Softened() {
+  world_.softened = nullptr;
   dWorldSetERP(world_.id, before_.erp);
   dWorldSetCFM(world_.id, before_.cfm);
   for (Joint& joint : world_.joints) {
     for (const Changed& one : joint.changed) setter(joint.type)(joint.id, one.parameter, one.before);
     joint.changed.clear();
   }
-  for (Body& body : world_.bodies) {
-    if (body.damping[0] != 0) dBodySetLinearDamping(body.id, body.damping[0]);
-    if (body.damping[1] != 0) dBodySetAngularDamping(body.id, body.damping[1]);
-    dBodySetAutoDisableSteps(body.id, body.steps_to_rest);
-    body.damping = {};
-  }
+  for (Body& body : world_.bodies) give_own_numbers(body);
 }
 
 }  // namespace odeval::audit

@@ -29,11 +29,15 @@ class Softened {
   Softened(const Softened&) = delete;
   Softened& operator=(const Softened&) = delete;
 
+  /// While the program's callback has the body, which may read and set its numbers.
+  void give_own_numbers(Body& body) const;
+  void take_own_numbers(Body& body) const;
+
  private:
   void joints(World& world, int k);
-  void bodies(World& world, int k);
 
   World& world_;
+  int k_;
   Softness before_;
 };
 

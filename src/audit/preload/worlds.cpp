@@ -6,6 +6,21 @@
 
 namespace odeval::audit {
 
+void Body::keep_as_told() {
+  told = true;
+  std::copy_n(dBodyGetLinearVel(id), 3, velocity_told.begin());
+  std::copy_n(dBodyGetAngularVel(id), 3, spin_told.begin());
+}
+
+Body* World::find(dBodyID body, std::size_t& hint) {
+  if (body == nullptr) return nullptr;
+  if (hint < bodies.size() && bodies[hint].id == body) return &bodies[hint];
+  const auto found = std::ranges::find(bodies, body, &Body::id);
+  if (found == bodies.end()) return nullptr;
+  hint = static_cast<std::size_t>(found - bodies.begin());
+  return &*found;
+}
+
 void World::keep_forces() {
   for (Body& body : bodies) {
     std::copy_n(dBodyGetForce(body.id), 3, body.force.begin());

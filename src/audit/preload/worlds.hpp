@@ -32,7 +32,12 @@ struct Body {
   Triple force{};  // what the program has added for the step
   Triple torque{};
   std::array<dReal, 2> damping{};  // linear, angular, and the steps until it is disabled, while they are changed
-  int steps_to_rest = 0;
+  int steps_to_rest = -1;          // -1: they are not
+  bool told = false;               // of the step, by the program's callback; then, before that:
+  Triple velocity_told{};
+  Triple spin_told{};
+
+  void keep_as_told();
 };
 
 /// An axis of a joint with a motor or stops, as it was before the step.
@@ -78,6 +83,8 @@ struct Made {
   dJointGroupID group;
 };
 
+class Softened;
+
 struct World {
   dWorldID id;
   std::uint32_t number;
@@ -97,9 +104,12 @@ struct World {
     double contacts = 0;
     double damping = 0;
     double program = 0;
-  } work{};           // since the start, J
-  double energy = 0;  // when it was last sampled, J
+  } work{};                            // since the start, J
+  double energy = 0;                   // when it was last sampled, J
+  const Softened* softened = nullptr;  // while it is
 
+  /// Null: it is no body, or another world's; `hint` is where it stood among the bodies.
+  Body* find(dBodyID body, std::size_t& hint);
   void keep_forces();
   void put_forces_back();
 };

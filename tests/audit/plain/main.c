@@ -93,7 +93,7 @@ static void write_poses(FILE* poses) {
 }
 
 static const Scenario* find(const char* name) {
-  const Scenario* const tables[] = {of_bodies, of_pendulums, of_contacts, of_joints, of_motors, of_stops};
+  const Scenario* const tables[] = {of_bodies, of_callbacks, of_contacts, of_joints, of_motors, of_pendulums, of_stops};
   for (unsigned i = 0; i < sizeof tables / sizeof tables[0]; ++i) {
     for (const Scenario* one = tables[i]; one->name; ++one) {
       if (strcmp(one->name, name) == 0) return one;

@@ -12,7 +12,7 @@ typedef struct {
 } Scenario;
 
 /* Each ends with a scenario without a name. */
-extern const Scenario of_bodies[], of_pendulums[], of_contacts[], of_joints[], of_motors[], of_stops[];
+extern const Scenario of_bodies[], of_callbacks[], of_contacts[], of_joints[], of_motors[], of_pendulums[], of_stops[];
 
 extern dWorldID world; /* with gravity of 9.81 m/s^2 along -z */
 extern dSpaceID space;
