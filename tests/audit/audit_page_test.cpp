@@ -147,6 +147,19 @@ void says_no_more_than_is_known() {
   CHECK(has(audit_text(answer), "0.296 ± 0.3"));  // rounded: 0.29
 }
 
+// A contact's softness shows where it takes longer than the finest step, a quarter of a millisecond, however long the
+// program's own is; held as a number it is another at each step.
+void stiff_is_what_the_finest_step_does_not_show() {
+  Answer answer = some_answer();
+  for (const auto& [stops_in_s, stiff] : {std::pair{0.0, false}, {2.4e-4, true}, {2.6e-4, false}, {2e-3, false}}) {
+    answer.contact_s = stops_in_s;
+    CHECK_EQUAL(has(audit_text(answer), "with rigid contacts"), stiff);
+  }
+  answer.contact_s = 2.4e-4;
+  answer.springs_held = false;
+  CHECK(!has(audit_text(answer), "with rigid contacts"));
+}
+
 std::string line_of(const Answer& answer, const std::string& name) {
   for (const auto& [its, what] : audit_lines(answer)) {
     if (its == name) return what;
@@ -275,6 +288,7 @@ int main(int argc, char** argv) {
   says_what_is_wrong();
   tells_chaos_from_the_step();
   holds_nothing_against_no_limit();
+  stiff_is_what_the_finest_step_does_not_show();
   leaves_rounding_out();
   says_it_in_25_lines();
   tells_what_is_not_followed();

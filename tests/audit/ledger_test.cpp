@@ -62,6 +62,16 @@ void friction_is_of_its_directions() {
   }
 }
 
+// 2 kg at (2, 1) m/s, with a coefficient of 0.3 along y, and 4 contacts of half a newton, which are no coefficients,
+// along x: 1 m/s^2, and 2 s. Five times as much of it where the two are taken for each other.
+void friction_is_a_force_or_a_coefficient() {
+  const audit::Answer answer = recorded("mixed_frictions", "3");
+  CHECK_NEAR(answer.work.contacts, -5.0, 1e-6);
+  const audit::JointSummary& contact = answer.joint_summaries.at(0);
+  CHECK_NEAR(contact.friction_share, 1.0, 1e-6);
+  CHECK_BETWEEN(static_cast<double>(contact.sliding), 2 / (1 * h) - 2, 2 / (1 * h) + 2);
+}
+
 // Motors that press on soft stops: what they do there is no force of joints to ODE. The bodies come to rest, so that
 // what has been lifted is all of the work, by 0.1 m and what 1000 N/m give way. The hinges take 6e-4 J, measured.
 void motors_press_on_stops() {
@@ -113,6 +123,23 @@ void the_force_of_a_contact_is_normal() { CHECK_NEAR(recorded("skid", "0.5").joi
 // A contact stops the mass that both bodies have against each other, with ODE's own CFM and ERP.
 void contacts_stop_both_bodies() {
   CHECK_NEAR(recorded("second_touch", "0.1").contact_s, 1e-10 / ((1 + 1e-3) * (1 - 0.2)), 1e-15);
+}
+
+// One of a kilogram by a spring of 1000 N/m and 20 N s/m: in 1/sqrt(1000) s by the spring, in 1/20 s by the damper,
+// whether the contact has both its numbers or the world one of them.
+void contacts_stop_by_their_own_numbers() {
+  for (const char* scenario : {"soft_contact", "soft_erp_contact", "soft_cfm_contact"}) {
+    CHECK_NEAR(recorded(scenario, "0.3").contact_s, std::sqrt(1.0 / 1000), 1e-12);
+  }
+}
+
+// A stop is one within the turn that ODE tells of: a box gets to it in 0.7 s and stays there, or passes by.
+void stops_beyond_a_turn_are_none() {
+  const audit::Answer answer = recorded("far_stops", "2");
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto steps = static_cast<double>(answer.joint_summaries.at(i).at_stop.value_or(0));
+    CHECK_BETWEEN(steps, i == 1 ? 0 : 1000, i == 1 ? 0 : 1500);
+  }
 }
 
 // Links on hinges are one island, of five rows each, whichever is added last.
@@ -319,11 +346,14 @@ void the_head_is_of_the_world_that_steps() {
 int main() {
   friction_takes_it_all();
   friction_is_of_its_directions();
+  friction_is_a_force_or_a_coefficient();
   motors_press_on_stops();
+  stops_beyond_a_turn_are_none();
   motors_at_stops_push_as_odes_do();
   what_moves_by_itself_takes_no_work();
   the_force_of_a_contact_is_normal();
   contacts_stop_both_bodies();
+  contacts_stop_by_their_own_numbers();
   rows_of_an_island_stand_together();
   a_motor_lifts();
   a_joint_takes_what_is_gone();

@@ -27,6 +27,13 @@ static void directed_frictions(void) {
   first_direction = slope;
 }
 
+/* The same box, with a coefficient along the first of ODE's directions, y, and half a newton a contact along x. */
+static void mixed_frictions(void) {
+  two_frictions();
+  coefficients = dContactApprox1_1;
+  friction2 = 0.5;
+}
+
 /* A ball on soft ground. */
 static void soft_contact(void) {
   contact_is = soft;
@@ -123,6 +130,7 @@ const Scenario of_contacts[] = {
     {"friction_slide", friction_slide, 1},
     {"two_frictions", two_frictions, 1},
     {"directed_frictions", directed_frictions, 1},
+    {"mixed_frictions", mixed_frictions, 1},
     {"soft_contact", soft_contact, 1},
     {"soft_erp_contact", soft_erp_contact, 1},
     {"soft_cfm_contact", soft_cfm_contact, 1},

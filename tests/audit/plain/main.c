@@ -18,6 +18,7 @@ int count;
 double h;
 void (*control)(void);
 double bounce, friction, friction2;
+int coefficients = dContactApprox1;
 const dReal* first_direction;
 enum Softness contact_is;
 void (*feel)(dJointID touch);
@@ -61,7 +62,7 @@ static void near(void* data, dGeomID one, dGeomID other) {
   memset(contact, 0, sizeof contact);
   int found = dCollide(one, other, 8, &contact[0].geom, sizeof(dContact));
   for (int i = 0; i < found; ++i) {
-    contact[i].surface.mode = dContactBounce | dContactApprox1;
+    contact[i].surface.mode = dContactBounce | coefficients;
     contact[i].surface.bounce = bounce;
     contact[i].surface.mu = friction;
     if (friction2 > 0) {

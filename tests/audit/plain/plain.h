@@ -24,6 +24,7 @@ extern void (*control)(void); /* before each step; 0: nothing */
 
 /* Of contacts: their surface, and what is done with each, 0: nothing. */
 extern double bounce, friction, friction2;
+extern int coefficients;             /* which of the two are coefficients, of dContactApprox1; others are forces */
 extern const dReal* first_direction; /* of friction; 0: ODE's */
 extern enum Softness { hard, soft, only_soft_erp, only_soft_cfm } contact_is;
 extern void (*feel)(dJointID touch);

@@ -123,10 +123,23 @@ static void at_stops(void) {
   }
 }
 
+/* Boxes that motors turn about hinges, where the angle is told from -pi to pi: to stops within that, past stops beyond
+ * it, and to one of each. */
+static void far_stops(void) {
+  static const double stops[4][2] = {{-3.1, 3.1}, {-3.2, 3.2}, {-4, 3}, {-3, 4}};
+  for (int i = 0; i < 4; ++i) {
+    dJointID hinge = dJointCreateHinge(world, 0);
+    dJointAttach(hinge, float_at(3 * i + 0.5, 0, 1), 0);
+    dJointSetHingeAnchor(hinge, 3 * i, 0, 1);
+    dJointSetHingeAxis(hinge, 0, 1, 0);
+    dJointSetHingeParam(hinge, dParamLoStop, stops[i][0]);
+    dJointSetHingeParam(hinge, dParamHiStop, stops[i][1]);
+    dJointSetHingeParam(hinge, dParamVel, i < 3 ? 5 : -5);
+    dJointSetHingeParam(hinge, dParamFMax, 5);
+  }
+}
+
 const Scenario of_stops[] = {
-    {"soft_stop", soft_stop, 0},
-    {"pressed", pressed, 0},
-    {"soft_stops", soft_stops, 0},
-    {"at_stops", at_stops, 0},
-    {0, 0, 0},
+    {"soft_stop", soft_stop, 0}, {"pressed", pressed, 0},     {"soft_stops", soft_stops, 0},
+    {"at_stops", at_stops, 0},   {"far_stops", far_stops, 0}, {0, 0, 0},
 };
