@@ -96,23 +96,35 @@ class Audit {
     make_folder(folder);
     std::future<void> steps = std::async(std::launch::async, [&] { write_steps(folder / "steps.csv"); });
     write_whole(folder / "answer.json", audit_json(answer));
-    std::vector<std::string> missing;
     fs::remove(folder / "film.png");  // of an audit before
-    report::AuditPageParts parts{.pictures = {}, .command = command(), .environment = catalogue::versions()};
-    try {
-      if (answer.reason.empty()) parts.pictures = worst_moment(answer, records());
-      if (answer.reason.empty() && options_.film) write_whole(folder / "film.png", audit_film(answer, records()));
-    } catch (const MachineError& error) {  // no OpenGL, no font
-      missing.push_back(fmt::format("its pictures: {}", error.what()));
-    }
+    std::future<std::vector<report::Section>> drawing;
+    if (answer.reason.empty()) drawing = std::async(std::launch::async, [&] { return drawn(answer, folder); });
+    std::vector<std::string> missing;
+    const auto pictures = [&]() -> std::vector<report::Section> {
+      if (!drawing.valid()) return {};
+      try {
+        return drawing.get();
+      } catch (const MachineError& error) {  // no OpenGL, no font
+        missing.push_back(fmt::format("its pictures: {}", error.what()));
+        return {};
+      }
+    };
+    const report::Page page =
+        report::audit_page(answer, {.pictures = pictures, .command = command(), .environment = catalogue::versions()});
     steps.get();
-    const report::Page page = report::audit_page(answer, parts);
     write_whole(folder / "index.html", page.html);
     missing.insert(missing.end(), page.missing.begin(), page.missing.end());
     for (const std::string& why : missing) std::cerr << "odeval: the page lacks " << why << '\n';
   }
 
  private:
+  /// Beside gnuplot's figures: each takes as long as the other.
+  std::vector<report::Section> drawn(const Answer& answer, const fs::path& folder) const {
+    std::vector<report::Section> pictures = worst_moment(answer, records());
+    if (options_.film) write_whole(folder / "film.png", audit_film(answer, records()));
+    return pictures;
+  }
+
   void write_steps(const fs::path& file) const {
     AuditSteps steps(file);
     audit::each_step(scratch_.record(0), [&](const audit::StepRow& row) { steps.add(row); });

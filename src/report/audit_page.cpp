@@ -266,7 +266,7 @@ Content limits(const Answer& answer) {
   return {{{"limits", std::move(items)}}, {}};
 }
 
-std::vector<Section> sections(const Answer& answer, const AuditPageParts& parts) {
+std::vector<Section> sections(const Answer& answer) {
   std::vector<Section> all;
   const auto add = [&](std::string_view name, Content content) {
     const auto* const text = std::ranges::find(prose, name, &Embedded::name);
@@ -274,7 +274,6 @@ std::vector<Section> sections(const Answer& answer, const AuditPageParts& parts)
   };
   const bool judged = answer.reason.empty();
   if (judged) add("error", errors(answer));
-  all.insert(all.end(), parts.pictures.begin(), parts.pictures.end());
   if (judged) add("settings", settings(answer));
   if (answer.bodies > 0) add("energy", energy(answer));
   if (answer.joints > 0) add("joints", joints(answer));
@@ -314,11 +313,19 @@ std::string lead(const Answer& answer) {
 Page audit_page(const Answer& answer, const AuditPageParts& parts) {
   Anchors anchors;
   for (const char* const fixed : {"files", "made-with"}) anchors.take(fixed);
-  const std::vector<Section> all = sections(answer, parts);
-  for (const Section& section : all) anchors.take(section.name);
   SectionWriter writer(anchors);
-  Items items;
-  for (const Section& section : all) items.push_back(writer.values(section));
+  const auto written = [&](const std::vector<Section>& all) {
+    for (const Section& section : all) anchors.take(section.name);
+    Items items;
+    for (const Section& section : all) items.push_back(writer.values(section));
+    return items;
+  };
+  Items items = written(sections(answer));
+  if (parts.pictures) {
+    Items pictures = written(parts.pictures());
+    const auto behind_errors = items.begin() + (answer.reason.empty() ? 1 : 0);
+    items.insert(behind_errors, std::make_move_iterator(pictures.begin()), std::make_move_iterator(pictures.end()));
+  }
   Items lines;
   for (const auto& [name, what] : audit_lines(answer)) lines.push_back({{"name", name}, {"what", what}});
   Items environment;

@@ -1,5 +1,6 @@
 #pragma once
 // The answer of an audit as one page that needs nothing but itself.
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,8 +12,9 @@
 namespace odeval::report {
 
 struct AuditPageParts {
-  std::vector<Section> pictures;  // sections of their own, behind the errors
-  std::string command;            // that made it
+  /// Sections of their own, behind the errors. They are asked for when everything else is drawn; empty: there are none.
+  std::function<std::vector<Section>()> pictures;
+  std::string command;  // that made it
   std::vector<std::pair<std::string, std::string>> environment;
 };
 
