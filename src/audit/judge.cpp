@@ -327,13 +327,20 @@ class Judge {
     find_steps();
   }
 
-  /// At the end alone: in an impact that comes later energies differ for a moment. Where the motion is lost by then,
-  /// they are of other motions, and their agreement is chance.
+  /// At the end alone: in an impact that comes later energies differ for a moment. Numbers at one time may be near to
+  /// each other by chance: they are known no better than the motion until then, a metre counted as a radian. Where it
+  /// is lost by then, they are of other motions.
   Estimate energy_error() const {
     Spread spread(records_.refinements);
     if (!energies_.empty()) spread.add(energies_.data(), 1, 1);
     Estimate its = spread.error(0);
-    if (answer_.lost_at_s) its.convergence = Convergence::none;
+    const ErrorUntil& motion = report_.rows().back().error;
+    const double off = motion.distance_m.value + motion.turn_rad.value;
+    if (off > Estimate::nothing) {
+      const double share = (motion.distance_m.uncertainty + motion.turn_rad.uncertainty) / off;
+      its.uncertainty = std::max(its.uncertainty, share * its.value);
+    }
+    its.convergence = answer_.lost_at_s ? Convergence::none : std::max(its.convergence, motion.convergence());
     return its;
   }
 

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -18,6 +17,7 @@
 #include "audit/recording.hpp"
 #include "catalogue/versions.hpp"
 #include "cli/audit_pictures.hpp"
+#include "cli/audit_scratch.hpp"
 #include "cli/progress.hpp"
 #include "cli/readable.hpp"
 #include "cli/settings.hpp"
@@ -38,32 +38,6 @@ using audit::Recording;
 
 constexpr double moved_by_m = 1e-10;
 constexpr const char* accurately = "stepper=accurate";
-
-/// Records of runs, gone with it.
-class Scratch {
- public:
-  Scratch() {
-    std::error_code error;
-    const fs::path place = fs::temp_directory_path(error);
-    if (error) throw MachineError("TMPDIR: no folder for records: " + error.message());
-    std::string name = (place / "odeval-audit-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) {  // which fills in the letters
-      throw MachineError(name + ": no folder for records: " + std::strerror(errno));
-    }
-    folder_ = name;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-
-  fs::path record(std::size_t run) const { return folder_ / (std::to_string(run) + ".record"); }
-
- private:
-  fs::path folder_;
-};
 
 /// One of the audit's runs of the program.
 struct Run {
@@ -479,7 +453,7 @@ class Audit {
 
   const AuditOptions& options_;
   std::optional<Progress> progress_;  // while runs are under way
-  Scratch scratch_;
+  AuditScratch scratch_;
   std::vector<int> refinements_;
   double until_s_ = 0;
   double tried_until_s_ = 0;   // what is told of those tried

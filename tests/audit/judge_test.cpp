@@ -22,6 +22,7 @@ struct Seen {
   std::uint32_t body;  // from 1
   double x = 0;        // m
   double angle = 0;    // rad, about x
+  double energy = 0;   // J
 };
 /// Of a run with steps of `h` whose starts are moved by `moved`, at the end of a step of the program.
 using Motion = std::function<std::vector<Seen>(double t, double h, double moved)>;
@@ -46,6 +47,7 @@ void write_record(const fs::path& file, const Motion& motion, double h, double e
     frame.h = h;
     frame.bodies = static_cast<std::uint32_t>(bodies.size());
     frame.has_motions = 1;
+    for (const Seen& body : bodies) frame.kinetic += body.energy;
     put(frames, frame);
     for (const Seen& body : bodies) {
       put(frames, BodySample{body.body - 1, 1, {body.x, 0, 0}, {std::cos(body.angle / 2), std::sin(body.angle / 2)}});
@@ -242,6 +244,27 @@ void chaos_is_told_from_steps() {
   CHECK(!still.chaos_from_s && !still.flies_apart);
 }
 
+// Energies that halve, by chance, of a motion that is known to a half of its error, or has no limit, or is lost: they
+// are known no better.
+void energies_are_known_as_their_motion_is() {
+  const auto its = [](const std::function<double(double t, double h)>& off) {
+    return judged(
+               [off](double t, double h, double) {
+                 return std::vector{Seen{1, 10 * t + off(t, h), 0, 5 + h}};
+               },
+               0.01, 2)
+        .energy.error_J;
+  };
+  const Estimate settled = its([](double t, double h) { return h * t; });
+  CHECK(settled.convergence == Convergence::settled);
+  CHECK_NEAR(settled.value, 0.01, 1e-9);
+  CHECK_BETWEEN(settled.uncertainty, 0, 1e-4);
+  const Estimate rough = its([](double t, double h) { return h * t + 2e-3 * t * std::sin(1e3 * h); });
+  CHECK(rough.convergence == Convergence::rough);
+  CHECK_BETWEEN(rough.uncertainty / rough.value, 0.1, 1);
+  CHECK(its([](double t, double h) { return 1e-5 / h * t; }).convergence == Convergence::none);
+}
+
 // 2.02 s and 2 s are one row, of the end; 2.2 s are two.
 void the_end_is_told_once() {
   const Motion motion = [](double t, double h, double) { return std::vector{Seen{1, t + h * t}}; };
@@ -262,6 +285,7 @@ int main() {
   without_a_limit_nothing_has_one();
   of_equals_the_first_is_the_worst();
   chaos_is_told_from_steps();
+  energies_are_known_as_their_motion_is();
   the_end_is_told_once();
   return odeval::test::verdict();
 }

@@ -18,7 +18,7 @@ constexpr Pair stop{dParamStopERP, dParamStopCFM};
 constexpr Pair suspension{dParamSuspensionERP, dParamSuspensionCFM};
 
 /// Which springs a kind of joint has of its own, in so many groups of parameters. The CFM of a motor is a damper,
-/// 1/CFM at any step, and the springs of a plane2d are the world's.
+/// 1/CFM at any step, the springs of a plane2d are the world's, and an lmotor has no stops, whatever it is told.
 struct Springs {
   dJointType type;
   Get get;
@@ -41,7 +41,6 @@ constexpr std::array springs{
     Springs{dJointTypePU, dJointGetPUParam, dJointSetPUParam, stop, 3},
     Springs{dJointTypePiston, dJointGetPistonParam, dJointSetPistonParam, stop, 2},
     Springs{dJointTypeAMotor, dJointGetAMotorParam, dJointSetAMotorParam, stop, 3},
-    Springs{dJointTypeLMotor, dJointGetLMotorParam, dJointSetLMotorParam, stop, 3},
 };
 
 Set setter(dJointType type) {

@@ -39,6 +39,43 @@ static void suspension(void) {
   dBodySetPosition(bodies[0], 0, 0.5, 0.9);
 }
 
+/* A soft rod of a metre that holds a weight, one that is hinged at both its ends, and a gear that a weight beside its
+ * axle turns, of which it turns another, half as fast, that has a weight as well. */
+static void make_soft(dJointID joint, void (*set)(dJointID, int, dReal)) {
+  set(joint, dParamERP, erp());
+  set(joint, dParamCFM, cfm());
+}
+static void soft_rods(void) {
+  dWorldSetERP(world, erp());
+  dWorldSetCFM(world, cfm());
+  for (int i = 0; i < 4; ++i) make_box(add(i < 2 ? 5 * i : 5 * i + 0.5, 0, 1), 4, 0.1, 0.2, 0.3);
+  dJointID rod = dJointCreateDBall(world, 0);
+  dJointAttach(rod, bodies[0], 0);
+  dJointSetDBallAnchor1(rod, 0, 0, 1);
+  dJointSetDBallAnchor2(rod, 0, 0.6, 1.8);
+  make_soft(rod, dJointSetDBallParam);
+  dJointID hinged = dJointCreateDHinge(world, 0);
+  dJointAttach(hinged, bodies[1], 0);
+  dJointSetDHingeAxis(hinged, 1, 0, 0);
+  dJointSetDHingeAnchor1(hinged, 5, 0, 1);
+  dJointSetDHingeAnchor2(hinged, 5, 0.6, 1.8);
+  make_soft(hinged, dJointSetDHingeParam);
+  for (int i = 2; i < 4; ++i) {
+    dJointID axle = dJointCreateHinge(world, 0);
+    dJointAttach(axle, bodies[i], 0);
+    dJointSetHingeAnchor(axle, 5 * i, 0, 1);
+    dJointSetHingeAxis(axle, 0, 1, 0);
+  }
+  dJointID gear = dJointCreateTransmission(world, 0);
+  dJointAttach(gear, bodies[2], bodies[3]);
+  dJointSetTransmissionMode(gear, dTransmissionParallelAxes);
+  dJointSetTransmissionRatio(gear, 0.5);
+  dJointSetTransmissionAnchor1(gear, 10, 0, 1);
+  dJointSetTransmissionAnchor2(gear, 15, 0, 1);
+  dJointSetTransmissionAxis(gear, 0, 1, 0);
+  make_soft(gear, dJointSetTransmissionParam);
+}
+
 /* Bodies without weight, that no ERP takes back: a hinge, a ball, a universal, a slider and a weld, all of which the
  * program opens, the slider by as much across its axis, and by more along it. Before, it turns what is welded. */
 static void open_joints(void) {
@@ -103,6 +140,11 @@ static void lifted(void) {
 }
 
 const Scenario of_joints[] = {
-    {"spring", spring, 0}, {"soft_weld", soft_weld, 0}, {"suspension", suspension, 0},
-    {"apart", apart, 0},   {"lifted", lifted, 0},       {0, 0, 0},
+    {"spring", spring, 0},
+    {"soft_weld", soft_weld, 0},
+    {"soft_rods", soft_rods, 0},
+    {"suspension", suspension, 0},
+    {"apart", apart, 0},
+    {"lifted", lifted, 0},
+    {0, 0, 0},
 };
