@@ -242,7 +242,16 @@ void what_its_callback_does_is_the_programs() {
   CHECK_NEAR(of_step(answer), 0.0, 1e-11);
 }
 
-void what_is_slow_is_not_damped() { CHECK_EQUAL(recorded("too_slow", "0.1").work.damping, 0.0); }
+// The step that takes a velocity below what damping asks for is the last, of each by its own, the 106th and, of the
+// spin, the 112th. All that is gone is damping's. The sum of so many terms of a joule rounds by 1e-15 each.
+void what_is_slow_is_not_damped() {
+  CHECK_EQUAL(recorded("too_slow", "0.1").work.damping, 0.0);
+  const audit::Answer answer = recorded("slows_down", "0.3");
+  CHECK_NEAR(answer.work.damping, answer.energy.end_J - answer.energy.begin_J, 1e-12);
+  const double of_velocity = 0.5 * (1 - std::exp(-2 * h * 106));         // ln(1/0.9) = 0.10536
+  const double of_spin = 0.5 / 600 * 25 * (1 - std::exp(-4 * h * 112));  // ln(5/4) / 2 = 0.11157
+  CHECK_NEAR(answer.work.damping, -of_velocity - of_spin, 1e-12);
+}
 
 // What a joint lets its bodies do is no gap, nor that they turn together; bodies without weight have no energy of
 // gravity.
@@ -315,6 +324,31 @@ void motors_of_universals_turn_either_way() {
   CHECK_EQUAL(answer.joint_summaries.at(3).at_limit.value_or(0), 1000U);  // one of two axes, or both
 }
 
+// A hundredth of a newton metre about either axis of a hinge2 is all of what its ball has, of 0.004 kg m^2, after a
+// second: 0.01 h / 0.004 rad/s more in each step. The third gets to its stop at 0.1 rad, and does not go on.
+void motors_of_wheels_drive_and_steer() {
+  const audit::Answer answer = recorded("wheels", "1");
+  const double inertia = 0.4 * 0.1 * 0.1;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const audit::JointSummary& joint = answer.joint_summaries.at(i);
+    CHECK_NEAR(joint.motor_work_J, 0.5 * inertia * std::pow(0.01 / inertia, 2), 1e-9);
+    CHECK_EQUAL(joint.at_limit.value_or(0), 1000U);
+    CHECK_EQUAL(joint.at_stop.value_or(1), 0U);
+  }
+  CHECK(answer.joint_summaries.at(2).at_stop.value_or(0) > 500);
+}
+
+// What presses on the lift that goes up with it does no work: the stop takes what the motor gives, 5 N at 0.5 m/s. What
+// the stop gives way by, at first, is below 1e-8 m.
+void a_motor_that_presses_on_a_lift_does_no_work() {
+  const audit::Answer answer = recorded("pressed_on_a_lift", "1");
+  CHECK_NEAR(answer.work.motors, 0.0, 1e-6);
+  CHECK_NEAR(answer.work.stops, 0.0, 1e-6);
+  CHECK_NEAR(answer.work.joints, 0.0, 1e-6);
+  CHECK_NEAR(of_step(answer), 0.0, 1e-6);
+  CHECK_EQUAL(answer.joint_summaries.at(0).at_stop.value_or(0), 1000U);
+}
+
 // Of kinds whose motors and gaps are not followed nothing is told, rather than 0.
 void what_is_not_followed_is_not_told() {
   const audit::Answer answer = recorded("soft_stops", "0.1");
@@ -359,6 +393,8 @@ int main() {
   a_joint_takes_what_is_gone();
   motors_that_turn_with_their_bodies();
   motors_of_universals_turn_either_way();
+  motors_of_wheels_drive_and_steer();
+  a_motor_that_presses_on_a_lift_does_no_work();
   what_is_not_followed_is_not_told();
   the_head_is_of_the_world_that_steps();
   a_free_box_keeps_its_energy();

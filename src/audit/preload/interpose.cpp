@@ -21,8 +21,6 @@ void forget_geom(dGeomID geom) {
   Session::get().follow([geom](Session& session) { session.collisions().forget(geom); });
 }
 
-void take_moved(dBodyID body) { Session::get().moved(body); }
-
 }  // namespace
 
 #define ODEVAL_JOINT(kind)                                                                         \
@@ -95,7 +93,7 @@ void ODEVAL_BEFORE(dBodySetMovedCallback)(dBodyID body, void (*callback)(dBodyID
   Session& session = Session::get();
   if (!session.follows()) return ODEVAL_OWN(dBodySetMovedCallback)(body, callback);
   session.moved_callbacks().set(body, callback);
-  ODEVAL_OWN(dBodySetMovedCallback)(body, callback == nullptr ? nullptr : take_moved);
+  ODEVAL_OWN(dBodySetMovedCallback)(body, callback == nullptr ? nullptr : odeval::audit::take_moved);
 }
 
 void ODEVAL_BEFORE(dWorldDestroy)(dWorldID world) {

@@ -23,25 +23,15 @@ void ask_no_more(dJointID joint, const dJointFeedback& own) {
   if (dJointGetFeedback(joint) == &own) dJointSetFeedback(joint, nullptr);
 }
 
-/// The factor that takes a velocity back to what it was before it was damped, where it was above a threshold.
-double undamped(const dReal* after, double scale, dReal (*threshold)(dBodyID), dBodyID body) {
-  if (scale == 0 || scale == 1) return 1;
-  const double before = length(after) / (1 - scale);
-  return before > threshold(body) ? 1 / (1 - scale) : 1;
-}
-
-/// Energy of a body's velocity and spin by these factors of them, beyond what it has.
-double energy_beyond(const Body& body, double of_velocity, double of_spin) {
-  if (of_velocity == 1 && of_spin == 1) return 0;
+/// Kinetic, of the body with this velocity and spin.
+double energy_at(const Body& body, const dReal* velocity, const dReal* spin) {
   dMass mass;
   dBodyGetMass(body.id, &mass);
-  const dReal* velocity = dBodyGetLinearVel(body.id);
-  dVector3 spin;
+  dVector3 in_body;
   dVector3 momentum;
-  dMultiply1_331(spin, dBodyGetRotation(body.id), dBodyGetAngularVel(body.id));
-  dMultiply0_331(momentum, mass.I, spin);
-  return 0.5 * ((of_velocity * of_velocity - 1) * mass.mass * dot(velocity, velocity) +
-                (of_spin * of_spin - 1) * dot(spin, momentum));
+  dMultiply1_331(in_body, dBodyGetRotation(body.id), spin);
+  dMultiply0_331(momentum, mass.I, in_body);
+  return 0.5 * (mass.mass * dot(velocity, velocity) + dot(in_body, momentum));
 }
 
 void keep_velocities(Body& body) {
@@ -115,13 +105,16 @@ void take_body(World& world, Body& body, dReal h) {
   if (!body.moves) return;
   const dReal* velocity = dBodyGetLinearVel(body.id);
   const dReal* spin = dBodyGetAngularVel(body.id);
-  const double linear = undamped(velocity, dBodyGetLinearDamping(body.id), dBodyGetLinearDampingThreshold, body.id);
-  const double angular = undamped(spin, dBodyGetAngularDamping(body.id), dBodyGetAngularDampingThreshold, body.id);
-  for (std::size_t i = 0; i < 3; ++i) {
-    body.velocity[i] = (body.velocity[i] + (body.told ? body.velocity_told[i] : linear * velocity[i])) / 2;
-    body.spin[i] = (body.spin[i] + (body.told ? body.spin_told[i] : angular * spin[i])) / 2;
+  if (body.told) {
+    world.work.damping +=
+        energy_at(body, velocity, spin) - energy_at(body, body.velocity_left.data(), body.spin_left.data());
+    velocity = body.velocity_found.data();
+    spin = body.spin_found.data();
   }
-  world.work.damping -= energy_beyond(body, linear, angular);
+  for (std::size_t i = 0; i < 3; ++i) {
+    body.velocity[i] = (body.velocity[i] + velocity[i]) / 2;
+    body.spin[i] = (body.spin[i] + spin[i]) / 2;
+  }
   world.work.added += h * (dot(body.force.data(), body.velocity.data()) + dot(body.torque.data(), body.spin.data()));
 }
 

@@ -11,6 +11,11 @@ void MovedCallbacks::set(dBodyID body, Callback callback) {
   }
 }
 
+bool MovedCallbacks::watch(dBodyID body) {
+  const std::lock_guard guard(lock_);
+  return of_body_.try_emplace(body).second;
+}
+
 void MovedCallbacks::forget(dBodyID body) { set(body, nullptr); }
 
 MovedCallbacks::Row* MovedCallbacks::moved(dBodyID body) {

@@ -17,13 +17,15 @@ class MovedCallbacks {
  public:
   using Callback = void (*)(dBodyID);
   struct Row {
-    Callback callback;
-    std::size_t place = 0;  // of the body in its world's, if it still is there
-    bool due = false;       // it was moved, and not told
+    Callback callback = nullptr;  // null: none, and it is watched
+    std::size_t place = 0;        // of the body in its world's, if it still is there
+    bool due = false;             // it was moved, and not told
   };
 
   /// Null: none.
   void set(dBodyID body, Callback callback);
+  /// `moved` is to tell of the body, whether or not it has a callback. False where it does already.
+  bool watch(dBodyID body);
   void forget(dBodyID body);
   bool empty() const { return of_body_.empty(); }
 
@@ -52,5 +54,8 @@ class MovedCallbacks {
   std::unordered_map<dBodyID, Row> of_body_;
   bool held_ = false;
 };
+
+/// What ODE is given in the place of each, and for those that are watched.
+void take_moved(dBodyID body);
 
 }  // namespace odeval::audit

@@ -297,6 +297,7 @@ int Session::whole(World& world, dReal h, Stepper stepper) {
   if (ledger_ && record_.head() != nullptr) {
     ledger_->draw(world);
     world.work.program += energy_of(world).sum() - world.energy;
+    watch_damped(world);
     step.emplace(*ledger_, world);
   }
   accounts_ = step.has_value();
@@ -312,6 +313,15 @@ int Session::whole(World& world, dReal h, Stepper stepper) {
   }
   if (ledger_ && ledger_->overflowed()) record_.remark(too_many_parts);
   return result;
+}
+
+/// What damping takes is told from the velocities before it: from those after it can not be told whether they were
+/// above its threshold.
+void Session::watch_damped(const World& world) {
+  for (const Body& body : world.bodies) {
+    const bool is_damped = dBodyGetLinearDamping(body.id) != 0 || dBodyGetAngularDamping(body.id) != 0;
+    if (is_damped && moved_callbacks_.watch(body.id)) ODEVAL_OWN(dBodySetMovedCallback)(body.id, take_moved);
+  }
 }
 
 int Session::parts(World& world, dReal h, Stepper stepper, const void* frame_of_step) {
@@ -345,6 +355,8 @@ int Session::parts(World& world, dReal h, Stepper stepper, const void* frame_of_
   return result;
 }
 
+void take_moved(dBodyID body) { Session::get().moved(body); }
+
 void Session::moved(dBodyID body) {
   if (MovedCallbacks::Row* row = moved_callbacks_.moved(body)) tell(body, *row);
 }
@@ -353,24 +365,29 @@ void Session::tell(dBodyID id, MovedCallbacks::Row& row) {
   const MovedCallbacks::Callback callback = row.callback;
   World& world = worlds_.of(dBodyGetWorld(id));
   Body* body = world.find(id, row.place);
-  if (body == nullptr) return callback(id);
-  std::size_t place = row.place;  // the callback may take itself away
-  if (world.softened != nullptr) world.softened->give_own_numbers(*body);
-  const double before = accounts_ ? energy_of(world, *body).sum() : 0;
-  if (accounts_) body->keep_as_told();
+  if (body == nullptr) return callback != nullptr ? callback(id) : void();
+  if (accounts_) body->keep_found();
+  if (callback != nullptr) {
+    std::size_t place = row.place;  // the callback may take itself away
+    const double before = accounts_ ? energy_of(world, *body).sum() : 0;
+    if (world.softened != nullptr) world.softened->give_own_numbers(*body);
+    call(callback, id);
+    body = world.find(id, place);  // it may have made others
+    if (body == nullptr) return;
+    if (world.softened != nullptr) world.softened->take_own_numbers(*body);
+    const std::lock_guard guard(lock_);
+    if (accounts_) world.work.program += energy_of(world, *body).sum() - before;
+  }
+  if (accounts_) body->keep_left();
+}
+
+void Session::call(MovedCallbacks::Callback callback, dBodyID body) {
   const unsigned long of_part = dRandGetSeed();
   if (own_seed_) dRandSetSeed(*own_seed_);
-  callback(id);
-  if (own_seed_) {
-    own_seed_ = dRandGetSeed();
-    dRandSetSeed(of_part);
-  }
-  body = world.find(id, place);  // it may have made others
-  if (body == nullptr) return;
-  if (world.softened != nullptr) world.softened->take_own_numbers(*body);
-  if (!accounts_) return;
-  const std::lock_guard guard(lock_);
-  world.work.program += energy_of(world, *body).sum() - before;
+  callback(body);
+  if (!own_seed_) return;
+  own_seed_ = dRandGetSeed();
+  dRandSetSeed(of_part);
 }
 
 void Session::tell_others(const World& world) {

@@ -106,8 +106,11 @@ class Session {
   /// Between the parts of a step. False where contacts are not to be made anew, or can not.
   bool empty_contacts(const World& world, const void* frame_of_step);
   void renew_contacts(World& world);
-  /// Calls the callback, for which the body's numbers and ODE's random numbers are the program's.
+  void watch_damped(const World& world);
+  /// Calls the callback, for which the body's numbers are the program's.
   void tell(dBodyID body, MovedCallbacks::Row& row);
+  /// And ODE's random numbers.
+  void call(MovedCallbacks::Callback callback, dBodyID body);
   /// Bodies that the last part of the step has not moved, and another has.
   void tell_others(const World& world);
   void require_thread();

@@ -6,10 +6,15 @@
 
 namespace odeval::audit {
 
-void Body::keep_as_told() {
+void Body::keep_found() {
   told = true;
-  std::copy_n(dBodyGetLinearVel(id), 3, velocity_told.begin());
-  std::copy_n(dBodyGetAngularVel(id), 3, spin_told.begin());
+  std::copy_n(dBodyGetLinearVel(id), 3, velocity_found.begin());
+  std::copy_n(dBodyGetAngularVel(id), 3, spin_found.begin());
+}
+
+void Body::keep_left() {
+  std::copy_n(dBodyGetLinearVel(id), 3, velocity_left.begin());
+  std::copy_n(dBodyGetAngularVel(id), 3, spin_left.begin());
 }
 
 Body* World::find(dBodyID body, std::size_t& hint) {

@@ -33,11 +33,14 @@ struct Body {
   Triple torque{};
   std::array<dReal, 2> damping{};  // linear, angular, and the steps until it is disabled, while they are changed
   int steps_to_rest = -1;          // -1: they are not
-  bool told = false;               // of the step, by the program's callback; then, before that:
-  Triple velocity_told{};
-  Triple spin_told{};
+  bool told = false;        // of in the step, when ODE had moved it, as is what is damped or has a callback; then:
+  Triple velocity_found{};  // of the equations
+  Triple spin_found{};
+  Triple velocity_left{};  // by the callback, before it is damped
+  Triple spin_left{};
 
-  void keep_as_told();
+  void keep_found();
+  void keep_left();
 };
 
 /// An axis of a joint with a motor or stops, as it was before the step.

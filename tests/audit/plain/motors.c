@@ -62,9 +62,25 @@ static void crossed(void) {
   dJointSetUniversalParam(both, dParamFMax2, 0.01);
 }
 
+/* Wheels without weight on something that stands still: a motor drives the first and another steers the second, neither
+ * of which gets to its speed, and a third steers the last one to its stop. */
+static void wheels(void) {
+  dBodyID frame = dBodyCreate(world);
+  dBodySetKinematic(frame);
+  for (int i = 0; i < 3; ++i) {
+    make_ball(add(3 * i, 0, 0), 1, 0.1);
+    dBodySetGravityMode(bodies[i], 0);
+    dJointID fork = dJointCreateHinge2(world, 0);
+    dJointAttach(fork, frame, bodies[i]);
+    dJointSetHinge2Anchor(fork, 3 * i, 0, 0);
+    const dVector3 up = {0, 0, 1}, along = {0, 1, 0};
+    dJointSetHinge2Axes(fork, up, along);
+    dJointSetHinge2Param(fork, i == 0 ? dParamVel2 : dParamVel, 100);
+    dJointSetHinge2Param(fork, i == 0 ? dParamFMax2 : dParamFMax, 0.01);
+    if (i == 2) soften(fork, dJointSetHinge2Param, 1);
+  }
+}
+
 const Scenario of_motors[] = {
-    {"motor", motor, 0},
-    {"crane", crane, 0},
-    {"crossed", crossed, 0},
-    {0, 0, 0},
+    {"motor", motor, 0}, {"crane", crane, 0}, {"crossed", crossed, 0}, {"wheels", wheels, 0}, {0, 0, 0},
 };

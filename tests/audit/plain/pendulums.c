@@ -49,38 +49,52 @@ static void arm(void) {
   control = hold_the_arm;
 }
 
-static dJointFeedback felt;
-static void push_as_felt(void) { dBodyAddForce(bodies[0], 0, 0, -0.2 * felt.f1[2]); }
+static dJointFeedback felt[2]; /* of the hinge by which each link hangs */
+static void feel_hinges(void) {
+  for (int i = 0; i < count; ++i) {
+    for (int j = 0; j < dBodyGetNumJoints(bodies[i]); ++j) {
+      dJointID hinge = dBodyGetJoint(bodies[i], j);
+      if (dJointGetBody(hinge, 0) == bodies[i]) dJointSetFeedback(hinge, &felt[i]);
+    }
+  }
+}
+static void push_as_felt(void) { dBodyAddForce(bodies[0], 0, 0, -0.2 * felt[0].f1[2]); }
 
 /* The same link, pushed by a part of what its hinge was felt to do in the step before. */
 static void feeling(void) {
   links(1);
-  dJointSetFeedback(dBodyGetJoint(bodies[0], 0), &felt);
+  feel_hinges();
   control = push_as_felt;
 }
 
-/* The same link, left alone, which ends the program if what its hinge was felt to do, with its weight, is not what its
- * momentum changed by: in ODE it is, to rounding, whatever the step. */
+/* Two links, left alone, which end the program if what their hinges were felt to do to each, with its weight, is not
+ * what its momentum changed by: in ODE it is, to rounding, whatever the step. */
 static void weigh_what_was_felt(void) {
   static int looked = 0;
-  static dReal before[3], turned_before;
-  const dReal* v = dBodyGetLinearVel(bodies[0]);
-  const dReal turned = dBodyGetAngularVel(bodies[0])[0]; /* about the hinge's axis */
-  dVector3 gravity;
-  dWorldGetGravity(world, gravity);
-  dMass mass;
-  dBodyGetMass(bodies[0], &mass);
-  for (int i = 0; i < 3; ++i) {
-    const double left = mass.mass * (v[i] - before[i] - h * gravity[i]) - h * felt.f1[i];
-    if (looked && fabs(left) > 1e-12) exit(4);
-    before[i] = v[i];
+  static dReal before[2][3], turned_before[2];
+  for (int link = 0; link < count; ++link) {
+    const dReal* v = dBodyGetLinearVel(bodies[link]);
+    const dReal turned = dBodyGetAngularVel(bodies[link])[0]; /* about the hinge's axis */
+    const int bears = link + 1 < count;
+    dVector3 gravity;
+    dWorldGetGravity(world, gravity);
+    dMass mass;
+    dBodyGetMass(bodies[link], &mass);
+    for (int i = 0; i < 3; ++i) {
+      const double force = felt[link].f1[i] + (bears ? felt[link + 1].f2[i] : 0);
+      const double left = mass.mass * (v[i] - before[link][i] - h * gravity[i]) - h * force;
+      if (looked && fabs(left) > 1e-12) exit(4);
+      before[link][i] = v[i];
+    }
+    const double torque = felt[link].t1[0] + (bears ? felt[link + 1].t2[0] : 0);
+    if (looked && fabs(mass.I[0] * (turned - turned_before[link]) - h * torque) > 1e-12) exit(4);
+    turned_before[link] = turned;
   }
-  if (looked && fabs(mass.I[0] * (turned - turned_before) - h * felt.t1[0]) > 1e-12) exit(4);
-  turned_before = turned;
   looked = 1;
 }
 static void weighing(void) {
-  feeling();
+  links(2);
+  feel_hinges();
   control = weigh_what_was_felt;
 }
 

@@ -123,6 +123,21 @@ static void at_stops(void) {
   }
 }
 
+/* A box that a motor presses on a stop of a lift, with which it goes up. */
+static void pressed_on_a_lift(void) {
+  dBodyID lift = dBodyCreate(world);
+  dBodySetKinematic(lift);
+  dBodySetLinearVel(lift, 0, 0, 0.5);
+  dBodySetLinearVel(float_at(0, 0, 1), 0, 0, 0.5);
+  dJointID slider = dJointCreateSlider(world, 0);
+  dJointAttach(slider, bodies[0], lift);
+  dJointSetSliderAxis(slider, 0, 0, 1);
+  dJointSetSliderParam(slider, dParamLoStop, -1);
+  dJointSetSliderParam(slider, dParamHiStop, 0);
+  dJointSetSliderParam(slider, dParamVel, 1);
+  dJointSetSliderParam(slider, dParamFMax, 5);
+}
+
 /* Boxes that motors turn about hinges, where the angle is told from -pi to pi: to stops within that, past stops beyond
  * it, and to one of each. */
 static void far_stops(void) {
@@ -140,6 +155,11 @@ static void far_stops(void) {
 }
 
 const Scenario of_stops[] = {
-    {"soft_stop", soft_stop, 0}, {"pressed", pressed, 0},     {"soft_stops", soft_stops, 0},
-    {"at_stops", at_stops, 0},   {"far_stops", far_stops, 0}, {0, 0, 0},
+    {"soft_stop", soft_stop, 0},
+    {"pressed", pressed, 0},
+    {"soft_stops", soft_stops, 0},
+    {"at_stops", at_stops, 0},
+    {"far_stops", far_stops, 0},
+    {"pressed_on_a_lift", pressed_on_a_lift, 0},
+    {0, 0, 0},
 };
