@@ -218,11 +218,6 @@ void add_rows(const Task& task, const Stage& stage, const Result& result, report
 /// Of three motions that between the easiest and the hardest.
 constexpr std::size_t stage_drawn = 1;
 
-/// "b: 16 links, 0.5 s".
-std::string panel_title(std::size_t number, const Stage& stage) {
-  return fmt::format("{}: {}", static_cast<char>('a' + number), stage.label);
-}
-
 /// What each makes of the energy and the angular momentum of a body that tumbles freely.
 report::Table momentum(Laboratory& laboratory) {
   report::Table table{.name = "switch-momentum",
@@ -268,7 +263,8 @@ Content should_i_switch(Laboratory& laboratory, Findings& findings) {
         const bool drawn = &stage == &task.stages[stage_drawn];
         results.push_back(result_of(stage, laboratory, drawn));
         add_rows(task, stage, results.back(), at_error, at_step);
-        if (drawn) figure.panels.push_back(panel_of(panel_title(figure.panels.size(), stage), stage, results.back()));
+        if (drawn)
+          figure.panels.push_back(panel_of(fmt::format("{}: {}", task.text, stage.label), stage, results.back()));
       }
       const std::optional<Advice> advice = advice_of(results);
       if (!advice) throw MachineError("nobody keeps the error on every motion");

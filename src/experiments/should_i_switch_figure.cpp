@@ -15,9 +15,10 @@ namespace {
 struct Library {
   std::string_view prefix;  // of its methods' names
   std::string_view label;
+  int colour;
 };
-constexpr std::array libraries{Library{"mujoco", "MuJoCo"}, Library{"bullet", "Bullet"}, Library{"dart", "DART"},
-                               Library{"simbody", "Simbody"}};
+constexpr std::array libraries{Library{"mujoco", "MuJoCo", variant(1)}, Library{"bullet", "Bullet", variant(3)},
+                               Library{"dart", "DART", variant(2)}, Library{"simbody", "Simbody", variant(4)}};
 
 /// Less is better: first those that keep the budget, by their time, then the others, by their error.
 std::tuple<bool, double> rank(const Tried& tried) {
@@ -38,9 +39,8 @@ std::vector<Curve> curves_of(const Result& result) {
   };
   best("ODE as it is", colour_of("ode-step-double"), [](const Way& way) { return way.move == Move::stay; });
   best("accurate_step", colour_of("ode-rk4-double"), [](const Way& way) { return way.move == Move::accurate_step; });
-  for (std::size_t k = 0; k < libraries.size(); ++k) {
-    best(libraries[k].label, variant(k),
-         [&](const Way& way) { return way.method->name.starts_with(libraries[k].prefix); });
+  for (const Library& library : libraries) {
+    best(library.label, library.colour, [&](const Way& way) { return way.method->name.starts_with(library.prefix); });
   }
   return curves;
 }

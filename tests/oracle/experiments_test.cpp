@@ -277,6 +277,8 @@ constexpr Band bands[] = {
     {"iftomm.ode-rk4-double_within_0.001", 0.00625, 0.00625},
     {"iftomm.best_settings_within_0.1", 0.000625, 0.000625},  // 1 / 80 of a row; 1 / 40 does not
     {"iftomm.ode-step-double_best", 1, 3.2},                  // 2.31: lost at any step tried
+    {"bench.rolling_quickstep", 1.5e-4, 3.5e-4},              // 2.3e-4: what 100 iterations leave
+    {"bench.rolling_quickstep_light", 1e3, 1e5},              // 2.6e4: bodies that tumble, where rounding tells
     {"potra.late_steps", 1.6, 1.85},                          // 1.720
     {"potra.late_fourth_order", 0, 1e-10},                    // 2.7e-11 s
     {"potra.spheres_off_points", 7e-5, 8.5e-5},               // 7.75e-5 s

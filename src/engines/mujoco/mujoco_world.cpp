@@ -66,16 +66,19 @@ void set(mjOption& options, const Scenario& scenario, double step_s, int integra
 MujocoWorld::MujocoWorld(const Scenario& scenario, double step_s, int integrator)
     : mechanism_(scenario.mechanism),
       tree_(engine_tree::hang(mechanism_, &closing_)),
-      // MuJoCo itself takes no less (refsafe) where softness is told by a time constant and not, as here, by numbers.
-      time_constant_s_(std::fmax(scenario.mujoco.time_constant_s, 2 * step_s)),
-      too_stiff_(time_constant_s_ > scenario.mujoco.time_constant_s &&
-                 scenario.mujoco.time_constant_s != MujocoSettings{}.time_constant_s),
+      time_constant_s_(scenario.mujoco.time_constant_s),
       bodies_(mechanism_.bodies.size()) {
   mju_user_error = &fail;
   mju_user_warning = &ignore;
   model_.reset(compiled(model_text(mechanism_, tree_, closing_, time_constant_s_)));
   set(model_->opt, scenario, step_s, integrator);
   data_.reset(mj_makeData(model_.get()));
+  // Less than two steps MuJoCo itself does not take (refsafe) where softness is told by a time constant and not, as
+  // here, by numbers.
+  const auto* const limited = model_->jnt_limited;
+  const bool soft = model_->npair > 0 || model_->neq > 0 ||
+                    std::any_of(limited, limited + model_->njnt, [](auto is) { return is != 0; });
+  too_stiff_ = soft && time_constant_s_ < 2 * step_s;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     number_.push_back(mj_name2id(model_.get(), mjOBJ_BODY, name_of(i).c_str()));
   }

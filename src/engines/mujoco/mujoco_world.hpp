@@ -51,7 +51,7 @@ class MujocoWorld final : public engine_tree::World {
   std::vector<std::size_t> closing_;  // joints that close loops
   std::vector<engine_tree::Hanging> tree_;
   double time_constant_s_;  // of constraints
-  bool too_stiff_;          // less than two steps was asked for
+  bool too_stiff_ = false;  // it is less than two steps, and there are some
   std::unique_ptr<mjModel, Free> model_;
   std::unique_ptr<mjData, Free> data_;
   std::vector<int> number_;  // MuJoCo's of each body
