@@ -110,22 +110,17 @@ Problem shuffled(const Problem& problem, Random& random) {
 void check_random_problems(unsigned count) {
   Random random(1);
   double worst = 0;
-  int apart_many = 0;
   for (unsigned seed = 1; seed <= count; ++seed) {
     const Problem problem = random_problem(seed);
     for (const ImpactOrder order : {ImpactOrder::together, ImpactOrder::in_turn}) {
       const VectorXd u = after(problem, order);
-      const double apart = (after(shuffled(problem, random), order) - u).norm() / problem.u.norm();
-      apart_many += apart > 1e-8 ? 1 : 0;
-      worst = std::max(worst, apart);
+      worst = std::max(worst, (after(shuffled(problem, random), order) - u).norm() / problem.u.norm());
     }
   }
-  // Rounding, times the condition of contacts that say nearly the same, over the rounds of an impact: few see any of
-  // it.
-  std::printf("%u random problems: orders of contacts differ by %.2g, in %d by more than 1e-8\n", count, worst,
-              apart_many);
-  CHECK_BETWEEN(worst, 0, 1e-2);
-  CHECK_BETWEEN(apart_many, 0, static_cast<int>(count) / 1000 + 1);
+  // Rounding, times the condition of contacts that say nearly the same, over the rounds of an impact: 2.4e-12 measured
+  // on 20000 of them.
+  std::printf("%u random problems: orders of contacts differ by %.2g\n", count, worst);
+  CHECK_BETWEEN(worst, 0, 1e-10);
 }
 
 /// Equal balls in a row, of unit mass; contact i between balls i and i + 1.
@@ -369,6 +364,8 @@ int main(int argc, char** argv) {
   check_cluster(5077);  // joints and footholds that nearly said the same once pulled each other apart
   check_cluster(2781);  // impulses that cancel each other once grew from step to step, and energy by their rounding
   check_cluster(5593);  // energy once rose where it stood
+  check_cluster(575);   // elastic, on joints: lost 4e-12 of its energy once, where it rested on what turned
+  for (const unsigned seed : {413U, 866U, 1867U}) check_cluster(seed);  // took a minute once: what can not give way
   check_clusters(clusters, first);
   for (const double e : {1.0, 0.95, 0.5}) {
     check_row_of_four(e, ImpactOrder::together);

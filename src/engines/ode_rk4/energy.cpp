@@ -184,17 +184,21 @@ bool Flight::stay(const State& start, const std::vector<char>& poor, State& stat
 }
 
 /// At the end of a step: what rests on each other, or `rested` when it began, has no more energy than then, but for
-/// what lifts bodies out of the overlaps that they started with. Errors of the order of the step are paid by the
-/// motion; what stands has none to pay with.
+/// what lifts bodies out of the overlaps that they started with, and where all is elastic no less. Errors of the order
+/// of the step are paid by the motion; what stands has none to pay with. Bodies that struck each other share theirs.
 bool Flight::keep_energy(const State& start, const std::vector<Contact>& rested, double lift) {
   bool paid = true;
-  const bool rests = !resting_.empty() || !rested.empty();
-  if (rests && gained(start, there_) > lift + rounding_of_energy(there_)) {
-    const std::vector<Contact> rest = resting_;
-    resting_.insert(resting_.end(), rested.begin(), rested.end());
-    paid = stay(start, pay(start, 0, there_), there_);
-    resting_ = rest;
+  const std::vector<Contact> rest = resting_;
+  resting_.insert(resting_.end(), rested.begin(), rested.end());
+  if (!resting_.empty()) {
+    resting_.insert(resting_.end(), bounced_.begin(), bounced_.end());
+    const double gain = gained(start, there_), rounding = rounding_of_energy(there_);
+    const auto elastic = [](const Contact& contact) { return contact.restitution == 1; };
+    if (gain > lift + rounding || (gain < -rounding && std::ranges::any_of(resting_, elastic))) {
+      paid = stay(start, pay(start, 0, there_), there_);
+    }
   }
+  resting_ = rest;
   taken_ = std::clamp(taken_, 0.0, lift);
   return paid;
 }

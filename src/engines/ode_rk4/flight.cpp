@@ -43,6 +43,7 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
   touches_.clear();
   stopped_.clear();
   struck_.clear();
+  bounced_.clear();
   all_stopped_ = slipped_ = renewed_ = false;
   finds_ = 0;
   work_ = friction_work;
@@ -506,6 +507,7 @@ void Flight::impact(double t, bool at_once, bool last) {
   }
   if (!at_once) struck_.clear();
   struck_.insert(struck_.end(), striking.begin(), striking.end());
+  bounced_.insert(bounced_.end(), striking.begin(), striking.end());
   all_stopped_ = last;
 }
 

@@ -148,6 +148,7 @@ class Flight {
   std::vector<double> gave_;       // N or N m, by late motors on average in the time held last
   std::vector<Contact> stopped_;   // their geoms do not bounce any more in this step
   std::vector<Contact> struck_;    // at `here_`
+  std::vector<Contact> bounced_;   // in this step
   bool all_stopped_ = false;
   std::optional<Footholds> footholds_;  // of what rests and sticks
   bool slipped_ = false;                // it does so no more in this step

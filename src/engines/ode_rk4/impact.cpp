@@ -23,7 +23,6 @@ constexpr double same_row = 1e-3;
 constexpr double farthest = 100;  // times what overlaps: out of its way, and at the ends of levers
 constexpr int sweeps_out = 20;
 constexpr double hovering = 1e-4;  // m: what left slower than it takes to leave is no higher, in a step of 0.1 s
-constexpr int most_rounds = 100;   // of friction that makes what does not bounce close, and is stopped
 constexpr double held = 1e-12;     // of the change of speed that bodies without joints would have: a thousand roundings
 
 double along(const Contact& contact, const Vector3d& arm, const Twist& twist) {
@@ -268,9 +267,13 @@ Eigen::VectorXd Impact::rubbed(const Eigen::VectorXd& v, Eigen::VectorXd p, cons
   const Eigen::Index n = normals(), m = rubbing.rows();
   p.segment(n, m) = rub(response_.block(n, n, m, m), v.segment(n, m) + response_.block(n, 0, m, n) * p.head(n), rubbing,
                         p.head(n), Eigen::VectorXd::Zero(m));
-  for (int round = 0; round < most_rounds; ++round) {
+  double closed_before = HUGE_VAL;
+  while (n > 0) {
     const Eigen::VectorXd now = v + response_ * p;
-    if (n == 0 || now.head(n).minCoeff() >= -rounding * v.cwiseAbs().maxCoeff()) break;
+    const double closes = -now.head(n).minCoeff();
+    const bool can_give_way = closes <= closed_before / 2;
+    if (closes <= rounding * v.cwiseAbs().maxCoeff() || !can_give_way) break;
+    closed_before = closes;
     p.head(n) += strike_together(response_.topLeftCorner(n, n), now.head(n), {Eigen::VectorXd::Zero(n)});
   }
   return p;

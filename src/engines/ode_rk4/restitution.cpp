@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
+#include <tuple>
 
 #include "engines/ode_rk4/complementarity.hpp"
 
@@ -22,13 +24,12 @@ constexpr double largest = 1e4;
 // Elastic rows end after as many rounds as they have contacts, light balls between heavy ones after pi times the root
 // of the ratio of masses; lossy ones that never end are as good as at rest by then.
 constexpr int most_rounds = 1000;
+// What is left once nothing bounces is rounding, or nothing can give way to it.
+constexpr int most_idle = 4;
+// One by one: of contacts that say nearly the opposite that takes so many that they close yet by what is left.
+constexpr int most_alone = 4000, longest = 16;
 
 std::size_t index(Eigen::Index i) { return static_cast<std::size_t>(i); }
-
-/// At these speeds.
-VectorXd bounce(const Restitution& restitution, const VectorXd& now) {
-  return (now.array() <= -restitution.rest_speed).select(restitution.of, 0);
-}
 
 /// Contacts that say nearly the same, or nearly the opposite, may leave a solution of large impulses that cancel each
 /// other to rounding only.
@@ -40,49 +41,77 @@ bool sound(const MatrixXd& a, const VectorXd& now, const VectorXd& p) {
   return p.dot(2 * now + change) <= rounding / 10 * energy;
 }
 
-/// The fastest contact alone, by Newton's law: what can not be wrong.
-VectorXd strike_fastest(const MatrixXd& a, const VectorXd& now, const VectorXd& e) {
-  VectorXd p = VectorXd::Zero(now.size());
-  Eigen::Index fastest = 0;
-  const double speed = now.minCoeff(&fastest);
-  if (a(fastest, fastest) > 0) p[fastest] = -(1 + e[fastest]) * speed / a(fastest, fastest);
-  return p;
-}
+/// Contacts that close at these speeds, which change by what they are given.
+class Strikes {
+ public:
+  Strikes(const MatrixXd& a, const VectorXd& v, const Restitution& restitution)
+      : a_(a),
+        restitution_(restitution),
+        now_(v),
+        p_(VectorXd::Zero(v.size())),
+        enough_(rounding * v.cwiseAbs().maxCoeff()) {}
 
-VectorXd strike_group(const MatrixXd& a, const VectorXd& v, const Restitution& restitution) {
-  VectorXd p = VectorXd::Zero(v.size());
-  const double enough = rounding * v.cwiseAbs().maxCoeff();
-  VectorXd now = v;
-  for (int round = 0; round < 2 * most_rounds && now.minCoeff() < -enough; ++round) {
-    const VectorXd e = round < most_rounds ? bounce(restitution, now) : VectorXd::Zero(v.size());
+  /// By Newton's law, then, where that has not ended, without restitution.
+  VectorXd strike() {
+    int idle = 0;  // rounds that should have been the last
+    for (int round = 0; idle < most_idle && alone_ < most_alone && closes(); ++round) {
+      const bool bounces = round < most_rounds && alone_ < most_alone / 2;
+      const VectorXd e = bounces ? bounce() : VectorXd::Zero(now_.size());
+      const VectorXd more = at_once(e, round == 0 ? restitution_.guess : VectorXd());
+      if (sound(a_, now_, more)) {
+        const VectorXd change = a_ * more;
+        if ((e.array() == 0).all() || change.cwiseAbs().maxCoeff() <= enough_) ++idle;
+        p_ += more;
+        now_ += change;
+      } else {  // one by one for a while, longer each time; what that leaves is asked again
+        for (int strike = 0; strike < patience_ && alone_ < most_alone && closes(); ++strike) alone(bounces);
+        patience_ = std::min(2 * patience_, longest);
+      }
+    }
+    return p_;
+  }
+
+ private:
+  bool closes() const { return now_.minCoeff() < -enough_; }
+  // What closes by rounding does not: whether anything bounces decides what the others do.
+  double bouncing_speed() const { return std::max(restitution_.rest_speed, enough_); }
+  VectorXd bounce() const { return (now_.array() <= -bouncing_speed()).select(restitution_.of, 0); }
+
+  VectorXd at_once(const VectorXd& e, const VectorXd& guess) const {
     // Where nothing bounces what opens may stay, and what is struck first strikes nothing else.
     const VectorXd above_least =
-        (e.array() == 0).all() ? now
-                               : VectorXd((now.array() < 0).select((1 + e.array()) * now.array(), 2 * now.array()));
-    VectorXd more = complementary(a, above_least, round == 0 ? restitution.guess : VectorXd());
-    if (!sound(a, now, more)) more = strike_fastest(a, now, e);
-    p += more;
-    now += a * more;
+        (e.array() == 0).all() ? now_
+                               : VectorXd((now_.array() < 0).select((1 + e.array()) * now_.array(), 2 * now_.array()));
+    return complementary(a_, above_least, guess);
   }
-  return p;
+
+  /// The fastest alone, by Newton's law: what can not be wrong.
+  void alone(bool bounces) {
+    ++alone_;
+    Eigen::Index fastest = 0;
+    const double speed = now_.minCoeff(&fastest);
+    if (a_(fastest, fastest) <= 0) return;
+    const double e = bounces && speed <= -bouncing_speed() ? restitution_.of[fastest] : 0;
+    const double more = -(1 + e) * speed / a_(fastest, fastest);
+    p_[fastest] += more;
+    now_ += more * a_.col(fastest);
+  }
+
+  const MatrixXd& a_;
+  const Restitution& restitution_;
+  VectorXd now_, p_;
+  double enough_;
+  int patience_ = 1, alone_ = 0;
+};
+
+/// By speed, then by mass and restitution: what rounding decides does not hang on the order in which contacts come.
+void put_in_order(Indices& contacts, const MatrixXd& a, const VectorXd& v, const VectorXd& restitution) {
+  std::ranges::stable_sort(contacts, {}, [&](Eigen::Index i) { return std::tuple(v[i], a(i, i), restitution[i]); });
 }
 
-}  // namespace
-
-VectorXd strike_together(const MatrixXd& a, const VectorXd& v, const Restitution& restitution) {
+VectorXd in_turn(const MatrixXd& a, const VectorXd& v, const Restitution& restitution,
+                 const std::vector<std::size_t>& pair) {
   VectorXd p = VectorXd::Zero(v.size());
-  const auto& guess = restitution.guess;
-  for (const Indices& group : coupled(a)) {
-    const VectorXd of_group = guess.size() > 0 ? VectorXd(guess(group)) : VectorXd();
-    p(group) = strike_group(a(group, group), v(group), {restitution.of(group), restitution.rest_speed, of_group});
-  }
-  return p;
-}
-
-VectorXd strike_in_turn(const MatrixXd& a, const VectorXd& v, const Restitution& restitution,
-                        const std::vector<std::size_t>& pair) {
-  VectorXd p = VectorXd::Zero(v.size());
-  if (v.size() == 0) return p;
   const double enough = rounding * v.cwiseAbs().maxCoeff();
   VectorXd now = v;
   for (int round = 0; round < most_rounds && now.minCoeff() < -enough; ++round) {
@@ -97,8 +126,37 @@ VectorXd strike_in_turn(const MatrixXd& a, const VectorXd& v, const Restitution&
     }
     p(members) += strike_together(a(members, members), now(members), {restitution.of(members), restitution.rest_speed});
     now = v + a * p;
+    if (now(members).minCoeff() < fastest / 2) break;  // it can not give way alone
   }
   return now.minCoeff() < -enough ? VectorXd(p + strike_together(a, now, restitution)) : p;
+}
+
+}  // namespace
+
+VectorXd strike_together(const MatrixXd& a, const VectorXd& v, const Restitution& restitution) {
+  VectorXd p = VectorXd::Zero(v.size());
+  const auto& guess = restitution.guess;
+  for (Indices group : coupled(a)) {
+    put_in_order(group, a, v, restitution.of);
+    const VectorXd of_group = guess.size() > 0 ? VectorXd(guess(group)) : VectorXd();
+    const Restitution of{restitution.of(group), restitution.rest_speed, of_group};
+    const MatrixXd own = a(group, group);
+    p(group) = Strikes(own, v(group), of).strike();
+  }
+  return p;
+}
+
+VectorXd strike_in_turn(const MatrixXd& a, const VectorXd& v, const Restitution& restitution,
+                        const std::vector<std::size_t>& pair) {
+  VectorXd p = VectorXd::Zero(v.size());
+  if (v.size() == 0) return p;
+  Indices order(index(v.size()));
+  std::iota(order.begin(), order.end(), Eigen::Index{0});
+  put_in_order(order, a, v, restitution.of);
+  std::vector<std::size_t> pairs;
+  for (const Eigen::Index i : order) pairs.push_back(pair[index(i)]);
+  p(order) = in_turn(a(order, order), v(order), {restitution.of(order), restitution.rest_speed}, pairs);
+  return p;
 }
 
 }  // namespace odeval::engine_rk4
