@@ -11,13 +11,6 @@
 namespace odeval::engine_rk4 {
 namespace {
 
-// An impact is located to this overlap, m: a thousand roundings of positions of a metre, and passed in 1e-12 s at 1
-// m/s.
-constexpr double touch_depth = 1e-12;
-// Geoms this near, m, that an impact closes touched when it happened: rows and corners that touch do so to rounding.
-constexpr double touching_distance = 1e-9;
-// m: points of one pair of geoms nearer than this are one contact.
-constexpr double same_point = 1e-6;
 // Bodies and contacts of the impacts located in one step: more are a crowd. To locate one costs ten steps or so of all
 // bodies, so a ball between walls may have 24 impacts in a step, and a figure of eleven bodies four.
 constexpr std::size_t crowd = 48;
@@ -25,16 +18,11 @@ constexpr int most_bisections = 100;
 constexpr int most_changes = 20;           // of motors in one step; after that they go on as they are
 constexpr double time_rounding = 1e-15;    // of what is left of the step
 constexpr double beyond_rounding = 1e-14;  // of a motor's limit or velocity
-constexpr double near_newton = 0.02;       // of the bracket: Newton's method misses by the square of what it moved
-constexpr int most_pushes = 10;
 constexpr double almost = 0.95;
 constexpr int most_splits = 4;   // of a step where something comes to stick
 constexpr double moment = 1e-4;  // of a step, at which what sticks comes to slip
 constexpr int most_finds = 3;    // of footholds in a step: what comes to rest more often stands nowhere
 
-bool among(const std::vector<Contact>& contacts, const Contact& contact) {
-  return std::ranges::any_of(contacts, [&](const Contact& other) { return same_geoms(contact, other); });
-}
 }  // namespace
 
 void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
@@ -93,8 +81,7 @@ void Flight::begin() {
 /// From `here_` to the end of the step, in `there_`: touch by touch, and slip by slip.
 void Flight::fly(double h) {
   std::size_t struck = 0;
-  int splits = 0;
-  double slip = 0, last_part = 0;
+  Slowing slowing;
   double t = 0;
   bool just_struck = false;
   for (int impacts = 1;; ++impacts) {
@@ -102,58 +89,26 @@ void Flight::fly(double h) {
     just_struck = false;
     push_on(t);
     move(t, h - t, there_);
-    if (!collider_.works(motion_.mechanism())) break;
+    if (!collider_.works(motion_.mechanism())) return;
     arrive(there_, h - t);
-    if (crowded_ > 0 && !contacts_.empty()) {
-      settle_crowd(there_, h - t);
-      break;
-    }
-    if (deepest(there_) == nullptr) {
-      double passed = h - t;
-      if (slips(t, passed)) {
-        remember(there_, passed);
-        t += passed;
-        go_on();
+    if (crowded_ > 0 && !contacts_.empty()) return settle_crowd(there_, h - t);
+    double passed = h - t;
+    const bool touching = deepest(there_) != nullptr;
+    if (touching) {
+      if (!touches_once_held(h - t)) return;
+      struck += struck_at_once();
+      const bool first_in_a_while = touches_.empty() && quiet_ >= calm_steps;
+      if ((struck > crowd && !first_in_a_while) || work_ <= 0) {
+        crowd_on();
         continue;
       }
-      const Memory before = memory();
-      hold(there_, h - t);
-      // What slid and sticks is taken to the moment at which it does: first almost, then by how much that slowed it.
-      if (sticks_.share < 1 && work_ > 0 && splits++ < most_splits) {
-        double part = almost * sticks_.share * (h - t);
-        if (splits % 2 == 0 && sticks_.slip < slip) {
-          part = std::min(h - t, sticks_.slip / (slip - sticks_.slip) * last_part);
-        }
-        slip = sticks_.slip;
-        last_part = part;
-        go_back(before);
-        move(t, part, there_);
-        arrive(there_, part);
-        hold(there_, part);
-        t += part;
-        std::swap(here_, there_);
-        continue;
-      }
-      break;
+      passed = locate(t, h - t);
     }
-    // What rests has been let go for the step, and what it carries with it: is there still a touch once it is held?
-    if (!resting_.empty()) {
-      const State let_go = there_;
-      const Memory before = memory();
-      const bool touched = hold(there_, h - t);
-      if (!touched) break;
-      there_ = let_go;
-      go_back(before);
-      arrive(there_, h - t);
-    }
-    struck += struck_at_once();
-    const bool first_in_a_while = touches_.empty() && quiet_ >= calm_steps;
-    if ((struck > crowd && !first_in_a_while) || work_ <= 0) {
-      crowd_on();
+    const bool slipped = slips(t, passed);
+    if (!touching && !slipped) {
+      if (hold_or_stick(t, h, slowing)) return;
       continue;
     }
-    double passed = locate(t, h - t);
-    const bool slipped = slips(t, passed);
     remember(there_, passed);
     t += passed;
     if (slipped) {
@@ -165,8 +120,42 @@ void Flight::fly(double h) {
     if (t < h) continue;
     there_ = here_;
     hold(there_, 0);
-    break;
+    return;
   }
+}
+
+/// What rests has been let go for what is left of the step, and what it carries with it: is there still a touch once it
+/// is held? Else it is.
+bool Flight::touches_once_held(double left) {
+  if (resting_.empty()) return true;
+  const State let_go = there_;
+  const Memory before = memory();
+  if (!hold(there_, left)) return false;
+  there_ = let_go;
+  go_back(before);
+  arrive(there_, left);
+  return true;
+}
+
+/// Holds what rests at the end of the step. What slid and sticks is taken to the moment at which it does: first almost,
+/// then by how much that slowed it. Returns false if it was, and the step goes on from there.
+bool Flight::hold_or_stick(double& t, double h, Slowing& slowing) {
+  const Memory before = memory();
+  hold(there_, h - t);
+  if (!(sticks_.share < 1 && work_ > 0 && slowing.splits++ < most_splits)) return true;
+  double part = almost * sticks_.share * (h - t);
+  if (slowing.splits % 2 == 0 && sticks_.slip < slowing.slip) {
+    part = std::min(h - t, sticks_.slip / (slowing.slip - sticks_.slip) * slowing.last_part);
+  }
+  slowing.slip = sticks_.slip;
+  slowing.last_part = part;
+  go_back(before);
+  move(t, part, there_);
+  arrive(there_, part);
+  hold(there_, part);
+  t += part;
+  std::swap(here_, there_);
+  return false;
 }
 
 /// From `there_`.
@@ -335,319 +324,6 @@ void Flight::refuse_apart(const JointError& error, const std::string& when) cons
   const Joint& joint = mover().mechanism().joints[error.joint];
   refuse(name(joint) + " is " + shown(error.size) + " m or rad apart " + when, motion_.mechanism().bodies[joint.a].id,
          joint.id);
-}
-
-/// Geoms that do not bounce any more in this step.
-bool Flight::stopped(const Contact& contact) const { return all_stopped_ || among(stopped_, contact); }
-
-const Contact* Flight::nearest_resting(const Contact& contact) const {
-  const Contact* nearest = nullptr;
-  for (const Contact& other : resting_) {
-    if (!same_geoms(contact, other)) continue;
-    if (contact.is_stop && contact.normal.dot(other.normal) < 0) continue;  // the other end of its way
-    if (nearest == nullptr || (other.point - contact.point).norm() < (nearest->point - contact.point).norm()) {
-      nearest = &other;
-    }
-  }
-  return nearest;
-}
-
-/// A contact of geoms that rested when this part of the step began, and did not approach at this point then, along the
-/// normal of that time: what approaches at its end is what the forces did.
-bool Flight::rests(const Contact& contact, const State& at) const {
-  if (stopped(contact)) return true;
-  if (held_fast(contact) && !contact.is_stop) return footholds_->stand_on(contact, at);
-  if (contact.followed) return true;
-  const Contact* const nearest = nearest_resting(contact);
-  if (nearest == nullptr) return false;
-  Contact then = contact;
-  then.normal = nearest->a == contact.a ? nearest->normal : Vector3d(-nearest->normal);
-  if (normal_speed(then, at, here_) >= -options_.rest_speed) return true;
-  // What is round touches with another point of its body since: where it did then it did not approach.
-  return nearest->placed && is_round(contact) && normal_speed(at_start(*nearest), here_) >= -options_.rest_speed;
-}
-
-/// The deepest contact that is not at rest, if any. What lies side by side overlaps by rounding, and what was struck at
-/// `here_` still does as it leaves: both have to close.
-const Contact* Flight::deepest(const State& at) const {
-  const Contact* found = nullptr;
-  for (const Contact& contact : contacts_) {
-    if (contact.depth <= 0 || (found != nullptr && contact.depth <= found->depth) || rests(contact, at)) continue;
-    const bool leaves = contact.depth <= options_.start_gap && among(struck_, contact);
-    const bool has_to_close = contact.depth <= touch_depth || leaves;
-    if (has_to_close && normal_speed(contact, at) >= 0) continue;
-    found = &contact;
-  }
-  return found;
-}
-
-/// The first touch on the way from `here_` to `there_`, `longest` seconds; `there_` becomes the state at it. Newton's
-/// method on ODE's depth, which exists on one side only, within a bracket. Returns the time that passes until then.
-double Flight::locate(double after, double longest) {
-  double free = 0;
-  double touching = longest;
-  Contact touch = *deepest(there_);
-  int fell_short =
-      0;  // how often in a row: then the touch is near the last one, at a share of what is left, or it is not
-  for (int round = 0; round < most_bisections && touch.depth > touch_depth; ++round) {
-    const double closing = -normal_speed(touch, there_);
-    const double newton = closing > 0 && fell_short == 0 ? touching - (touch.depth - touch_depth / 2) / closing : free;
-    if ((newton <= 0 && round == 0) || (free <= 0 && round == 2)) {  // it may have begun in contact
-      look(here_);
-      const Contact* const at_once = deepest(here_);
-      if (at_once != nullptr && at_once->depth > touch_depth) {
-        there_ = here_;
-        motion_.project(there_);
-        return let_go_ = 0;
-      }
-    }
-    // Depths jump where other corners come into play.
-    if (round > 0 && closing > 0 && closing * (touching - free) <= touch_depth / 2) break;
-    const double share = fell_short == 1 ? near_newton : 0.5;
-    const double guess = newton > free && newton < touching ? newton : free + share * (touching - free);
-    if (!(guess > free && guess < touching)) break;
-    move(after, guess, trial_);
-    look(trial_);
-    const Contact* const found = deepest(trial_);
-    fell_short = found == nullptr ? fell_short + 1 : 0;
-    if (fell_short > 0) {
-      free = guess;
-      continue;
-    }
-    touching = guess;
-    touch = *found;
-    std::swap(there_, trial_);
-  }
-  arrive(there_, touching);
-  motion_.project(there_);  // the matrix of this pose, for the impulses
-  return let_go_ = touching;
-}
-
-/// Adds to the contacts at `there_` those that their impact, to the velocities of `struck`, closes within rounding.
-/// Returns true if there are any.
-bool Flight::add_closed_by(State struck) {
-  std::vector<Twist> change(struck.size());
-  double fastest = 0;
-  for (std::size_t i = 0; i < struck.size(); ++i) {
-    change[i].linear = struck[i].twist.linear - there_[i].twist.linear;
-    change[i].angular = struck[i].twist.angular - there_[i].twist.angular;
-    fastest = std::max({fastest, change[i].linear.norm(), change[i].angular.norm()});
-  }
-  if (fastest <= 0) return false;
-  const double ahead = touching_distance / fastest;
-  for (std::size_t i = 0; i < struck.size(); ++i) {
-    struck[i].pose.position += ahead * change[i].linear;
-    turn_by(ahead * change[i].angular, struck[i].pose.turn);
-  }
-  std::vector<Contact> closed = std::move(contacts_);
-  look(struck);
-  std::swap(contacts_, closed);
-  return add_to_contacts(closed);
-}
-
-/// Those that are not among the contacts at hand. Returns true if there are any.
-bool Flight::add_to_contacts(const std::vector<Contact>& more) {
-  const std::size_t before = contacts_.size();
-  for (const Contact& contact : more) {
-    const auto is_it = [&](const Contact& other) {
-      return same_geoms(contact, other) && (contact.point - other.point).norm() < same_point;
-    };
-    if (std::ranges::none_of(contacts_.begin(), contacts_.begin() + static_cast<std::ptrdiff_t>(before), is_it)) {
-      contacts_.push_back(contact);
-    }
-  }
-  return contacts_.size() > before;
-}
-
-void Flight::strike(State& state) {
-  Impact(motion_, contacts_, state, work_).strike(state, options_.impact_order, options_.rest_speed);
-}
-
-/// At `there_`, which becomes `here_`: the next part of the step starts from it.
-void Flight::impact(double t, bool at_once, bool last) {
-  // What rests was let go since `here_`: it stops first, and gives nothing back of that.
-  std::vector<Contact> resting = contacts_;
-  std::erase_if(resting, [this](const Contact& contact) { return !rests(contact, there_); });
-  const std::vector<LateMotor> motors = mover().late(let_go_);
-  if (!resting.empty() || !motors.empty()) {
-    const Impact held(motion_, resting, there_, work_, motors);
-    bounce_elastic(motion_, held, resting, let_go_, there_);
-    held.stop(there_);
-  }
-  State struck;
-  std::span<Contact> striking;
-  do {
-    for (Contact& contact : contacts_) {
-      if (last || stopped(contact)) contact.restitution = 0;
-    }
-    const auto rest =
-        std::ranges::stable_partition(contacts_, [this](const Contact& contact) { return !rests(contact, there_); });
-    striking = {contacts_.begin(), rest.begin()};
-    struck = there_;
-    strike(struck);
-  } while (add_closed_by(struck));
-  std::swap(here_, there_);
-  const auto speed = [this](const Contact& contact) { return normal_speed(contact, here_); };
-  const Contact& fastest = *std::ranges::min_element(striking, {}, speed);
-  const std::size_t touch = touches_.size();
-  touches_.push_back({t, -speed(fastest), 0, striking.size()});
-  tell(options_.before_impact, touches_[touch]);
-  taken_ -= gained(conservative() ? there_ : here_, struck);
-  here_ = std::move(struck);
-  touches_[touch].departure = speed(fastest);
-  tell(options_.after_impact, touches_[touch]);
-
-  // What leaves slowly stays, and so does what comes again without time passing.
-  for (Contact& contact : striking) {
-    if (speed(contact) <= options_.rest_speed) {
-      place(contact, here_);
-      resting_.push_back(contact);
-    }
-    if (at_once && among(struck_, contact)) stopped_.push_back(contact);
-  }
-  if (!at_once) struck_.clear();
-  struck_.insert(struck_.end(), striking.begin(), striking.end());
-  bounced_.insert(bounced_.end(), striking.begin(), striking.end());
-  all_stopped_ = last;
-}
-
-void Flight::tell(const std::function<void(const Touch&)>& observer, const Touch& touch) const {
-  if (!observer) return;
-  show_poses(motion_.mechanism(), here_);
-  show_twists(motion_.mechanism(), here_);
-  observer(touch);
-}
-
-/// Of the impulses at the contacts at hand, which stood for forces over a time h, and of those of stops and motors.
-void Flight::tell_joints(const Impact& impact, const Eigen::VectorXd& impulses, const State& state, double h) {
-  mover().add_forces(h);
-  for (std::size_t i = 0; i < contacts_.size(); ++i) {
-    Contact contact = contacts_[i];
-    impact.note(impulses, i, contact);
-    tell_joint(contact, state, h);
-  }
-  for (const Contact& motor : impact.note_motors(impulses)) tell_joint(motor, state, h);
-}
-
-void Flight::tell_joint(const Contact& contact, const State& state, double h) {
-  const auto on = [&](std::size_t body, double sign) {
-    const Vector3d at = body == world_body ? Vector3d(Vector3d::Zero()) : state[body].pose.position;
-    const Vector3d force = sign / h * contact.push;
-    return Wrench{force, (contact.point - at).cross(force) + sign / h * contact.turn};
-  };
-  mover().add_force(contact.geoms.first, on(contact.a, 1), on(contact.b, -1));  // a stop's or a motor's joint
-}
-
-/// Of the contacts at hand, 1 at those of pairs of geoms of which `arrive` put some a little too deep: pushed out by
-/// others they would part again.
-Eigen::VectorXd Flight::put_too_deep(const std::vector<Contact>& rest) const {
-  Eigen::VectorXd found = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(contacts_.size()));
-  for (std::size_t i = 0; i < contacts_.size(); ++i) {
-    const auto put = [&](const Contact& contact) { return contact.missed && same_geoms(contact, contacts_[i]); };
-    if (std::ranges::any_of(rest, put)) found[static_cast<Eigen::Index>(i)] = 1;
-  }
-  return found;
-}
-
-/// Are the contacts at hand found, as deep as what rests, and is a way less than that?
-bool Flight::lies_well(std::span<const Twist> way) const {
-  const auto is_well = [](const Contact& contact) { return !contact.missed && contact.depth <= 2 * rest_depth; };
-  const auto stays = [](const Twist& by) { return by.linear.norm() + by.angular.norm() < rest_depth; };
-  return std::ranges::all_of(contacts_, is_well) && std::ranges::all_of(way, stays);
-}
-
-bool Flight::found_again(const Contact& contact) const {
-  const auto is_it = [&](const Contact& other) { return !other.missed && same_geoms(contact, other); };
-  return std::ranges::any_of(contacts_, is_it);
-}
-
-/// Of what rests, what has to push and was not found a little too deep is put as far as anything was off, once: how far
-/// it is away is known to the order of the step. Else it is gone.
-void Flight::look_deeper(std::vector<Contact>& rest) {
-  const auto pushes = [](const Contact& contact) {
-    return (contact.turns ? contact.turn : contact.push).dot(contact.normal) > 0;
-  };
-  double farthest = 0;
-  for (const Contact& contact : rest) farthest = std::max(farthest, pushes(contact) ? std::fabs(contact.depth) : 0);
-  std::vector<Contact> again;
-  std::erase_if(rest, [&](Contact& contact) {
-    if (!contact.missed || found_again(contact)) return false;
-    if (pushes(contact)) again.push_back(contact);
-    return !pushes(contact);
-  });
-  for (Contact& contact : again) contact.depth = -farthest;
-  contacts_.insert(contacts_.end(), again.begin(), again.end());
-}
-
-/// At the end of a step, with its contacts at hand: what rests stops and is pushed out of what it rests on. Returns
-/// true if something touches that does not rest.
-bool Flight::hold(State& state, double h) {
-  Motion& motion = mover();
-  std::vector<LateMotor> motors = motion.late(h);
-  std::vector<Contact> fast = contacts_;
-  std::erase_if(fast, [this](const Contact& contact) { return !held_fast(contact); });
-  bool touched = false;
-  sticks_ = {};
-  const auto at_rest = [&] {
-    touched = deepest(state) != nullptr;
-    std::erase_if(contacts_, [&](const Contact& contact) { return !rests(contact, state) || held_fast(contact); });
-  };
-  at_rest();
-  // The matrix of this pose, for the impulses.
-  if (!contacts_.empty() || !motors.empty()) motion.stand(state);
-  std::vector<Contact> rest = contacts_;
-  const Eigen::VectorXd none;
-  const auto is_gone = [this](const Contact& contact) { return contact.missed && !found_again(contact); };
-  for (int push = 0; push < most_pushes && (!contacts_.empty() || !motors.empty()); ++push) {
-    if (push > 0 && std::ranges::none_of(contacts_, &Contact::missed) && deepest_of(contacts_) <= 2 * rest_depth) break;
-    const bool first = push == 0 && h > 0;
-    if (first) recall(state, h);
-    const bool pushed = !forces_->pushes.empty();
-    const bool follows = first && (pushed || !motors.empty() || std::ranges::any_of(contacts_, &Contact::rubs));
-    const Impact impact(motion, contacts_, state, work_, motors);
-    const State free = state;
-    bounce_elastic(motion, impact, contacts_, h, state);
-    const Eigen::VectorXd impulses = impact.stop(state);
-    const double work = impact.work(impulses, here_, free, state);
-    if (first) tell_joints(impact, impulses, state, h);
-    impact.spend(impulses, motors);  // what is found on the way out is borne by what they can give yet
-    std::vector<Twist> by;
-    const double done = !first ? 0 : conservative() ? gained(here_, free) : work_of_pushes(free, h);
-    if (first) {
-      note(impact, impulses, h);
-      rest = contacts_;
-    }
-    if (follows) {
-      sticks_ = impact.sticks_at(impulses, here_, state, h);
-      by = follow(free, state, h);
-    }
-    const auto way = impact.way_out(rest_depth, by, follows ? impulses : push > 0 ? put_too_deep(rest) : none);
-    // What only that would cost energy is paid at the end of the step: else it would be gone in many small parts.
-    const double most = conservative() && !first_ ? HUGE_VAL : taken_ + work - done;
-    const bool moved = move_out(motion, free, way, most, state);
-    taken_ -= gained(free, state) + done - work;
-    // Nothing comes deeper by that than what rests, nor out of reach.
-    if (push == 0 && moved && lies_well(way)) break;
-    if (moved) {
-      look(state);
-      at_rest();
-    }
-    if (!moved || push > 0) std::erase_if(rest, is_gone);
-    if (!moved) break;  // between jaws of joints, or at the end of what can be lifted
-    if (first) look_deeper(rest);
-  }
-  const double overlap = deepest_of(contacts_);
-  if (overlap > options_.start_gap) {
-    if (first_) look(here_);
-    if (first_ && deepest_of(contacts_) > options_.start_gap) {
-      refuse("an overlap of " + shown(overlap) + " m can not be pushed out; at most " + shown(options_.start_gap) +
-             " are left to later steps");
-    }
-    crowd_on();  // what comes so near in a run, between jaws of joints, is left to the crowd's scheme
-  }
-  rest.insert(rest.end(), fast.begin(), fast.end());
-  resting_ = std::move(rest);
-  return touched;
 }
 
 }  // namespace odeval::engine_rk4

@@ -64,6 +64,13 @@ class Flight {
 
   void begin();
   void fly(double h);
+  /// Of what came to stick in a step.
+  struct Slowing {
+    int splits = 0;
+    double slip = 0, last_part = 0;
+  };
+  bool touches_once_held(double left);
+  bool hold_or_stick(double& t, double h, Slowing& slowing);
   void go_on();
   void find_footholds(double after, bool struck);
   bool slips(double after, double& passed);
@@ -107,6 +114,11 @@ class Flight {
   bool add_to_contacts(const std::vector<Contact>& more);
   void tell(const std::function<void(const Touch&)>& observer, const Touch& touch) const;
   bool hold(State& state, double h);
+  struct Out {
+    bool moved, well;  // it moved, and lies well
+  };
+  Out stop_and_push_out(State& state, double h, bool again, std::vector<LateMotor>& motors, std::vector<Contact>& rest);
+  void leave_what_is_deep();
   bool lies_well(std::span<const Twist> way) const;
   bool found_again(const Contact& contact) const;
   void look_deeper(std::vector<Contact>& rest);
