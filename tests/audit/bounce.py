@@ -38,8 +38,18 @@ def near(given, one, other):
         ode.ContactJoint(where, group, contact).attach(one.getBody(), other.getBody())
 
 
+moves = 0
+
+
+def count(*_):
+    global moves
+    moves += 1
+
+
+lower.setMovedCallback(count)
 for _ in range(2000):
     space.collide((world, contacts), near)
     world.step(0.001)
     contacts.empty()
 print(lower.getPosition(), free.getPosition())
+print(moves, "moves")
