@@ -6,7 +6,6 @@
 #include "model/draft.hpp"
 #include "model/generate.hpp"
 #include "model/joint_kinds.hpp"
-#include "model/nearest.hpp"
 
 namespace odeval {
 
@@ -60,10 +59,14 @@ void make_thin(Draft& draft) {
   }
 }
 
+/// Of a shape whose size is not one of its kind, the setting that made it so is blamed, or the size.
 void check_size(const Draft& draft, const std::string& path, BodyShape shape, const Vec3& size) {
   const auto& [x, y, z] = size;
   const auto fail = [&](const char* rule) {
-    draft.fail(path + ".size", fmt::format("[{}, {}, {}]", size[0], size[1], size[2]), rule);
+    if (!draft.setting_of(path + ".size") && draft.setting_of(path + ".shape")) {
+      draft.fail(path + ".shape", word_of(shape), fmt::format("needs another size: {}", rule));
+    }
+    draft.fail(path + ".size", fmt::format("[{}, {}, {}]", x, y, z), rule);
   };
   if (shape == BodyShape::sphere && (x != y || x != z)) fail("must be the diameter, three times, for a sphere");
   if (shape == BodyShape::cylinder && x != y) fail("must be the diameter, twice, and the length, for a cylinder");
@@ -73,34 +76,36 @@ void check_size(const Draft& draft, const std::string& path, BodyShape shape, co
 }
 
 /// What stands in plane2d's plane is the centre of mass, which a mass beside it would move.
-void check_held_by_plane(const Draft& draft, const std::string& path, const ShapeTable& shape) {
+void check_held_by_plane(const Draft& draft, std::size_t number) {
+  const BodyTable& body = draft.said.bodies[number];
   for (const JointTable& joint : draft.said.joints) {
-    if (joint.kind->parent != Carries::the_world || joint.child != shape.body || shape.mass_kg == 0) continue;
-    draft.fail(path + ".mass", fmt::format("{}", shape.mass_kg),
-               fmt::format("must be 0 for a body that kind {} holds by its centre", joint.kind->word));
-  }
-}
-
-void check_shapes(const Draft& draft) {
-  constexpr std::size_t most = 1024;  // as bodies
-  const std::vector<ShapeTable>& shapes = draft.said.shapes;
-  if (shapes.size() > most) {
-    draft.fail("shapes", fmt::format("{} tables", shapes.size()),
-               fmt::format("must be at most {} tables [[shapes]]", most));
-  }
-  std::vector<std::string> names;
-  for (const BodyTable& body : draft.said.bodies) names.push_back(body.name);
-  for (std::size_t i = 0; i < shapes.size(); ++i) {
-    const std::string path = fmt::format("shapes.{}", i);
-    check_size(draft, path, shapes[i].shape, shapes[i].size_m);
-    if (!draft.said.body_named(shapes[i].body)) {
-      draft.fail(path + ".body", shapes[i].body, "is the name of no body" + nearest_hint(shapes[i].body, names));
+    if (joint.kind->parent != Carries::the_world || joint.child != body.name) continue;
+    const auto fail = [&](const std::string& key, const std::string& value) {
+      draft.fail(fmt::format("bodies.{}.{}", number, key), value,
+                 fmt::format("must be 0 for a body that kind {} holds by its centre", joint.kind->word));
+    };
+    const auto& [x, y, z] = body.centre_m;
+    if (body.centre_m != Vec3{}) fail("centre", fmt::format("[{}, {}, {}]", x, y, z));
+    for (std::size_t i = 0; i < body.shapes.size(); ++i) {
+      const double mass_kg = body.shapes[i].mass_kg;
+      if (mass_kg != 0) fail(fmt::format("shapes.{}.mass", i), fmt::format("{}", mass_kg));
     }
-    check_held_by_plane(draft, path, shapes[i]);
   }
 }
 
-/// A body has a size, or no shape of its own and then an inertia.
+void check_shapes(const Draft& draft, std::size_t number) {
+  const std::vector<ShapeTable>& shapes = draft.said.bodies[number].shapes;
+  const toml::table& body = *draft.tree["bodies"][number].as_table();
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const std::string path = fmt::format("bodies.{}.shapes.{}", number, i);
+    check_size(draft, path, shapes[i].shape, shapes[i].size_m);
+    if (shapes[i].shape == BodyShape::sphere && body["shapes"][i].as_table()->contains("turn")) {
+      draft.fail(path + ".turn", "", "has no effect on a sphere; remove it");
+    }
+  }
+}
+
+/// A body has a size, or no shape of its own and then others.
 void check_has_size(const Draft& draft, std::size_t number) {
   const BodyTable& body = draft.said.bodies[number];
   const toml::table& table = *draft.tree["bodies"][number].as_table();
@@ -118,10 +123,30 @@ void check_has_size(const Draft& draft, std::size_t number) {
   for (const char* key : {"size", "aspect"}) {
     if (table.contains(key)) fail(key, "has no meaning for shape none; remove it");
   }
-  if (!body.inertia_kgm2) fail("inertia", "is missing; a body of shape none needs it");
-  const bool has_some = std::ranges::any_of(
-      draft.said.shapes, [&](const ShapeTable& shape) { return !body.name.empty() && shape.body == body.name; });
-  if (!has_some) fail("shape", "must not be none for a body that no [[shapes]] are of");
+  if (body.shapes.empty()) fail("shape", "must not be none for a body without [[bodies.shapes]]");
+}
+
+/// A body has a mass of its own, uniform in its shape or with an inertia, or its shapes have all of it.
+void check_has_mass(const Draft& draft, std::size_t number) {
+  const BodyTable& body = draft.said.bodies[number];
+  const auto fail = [&](const char* key, const std::string& rule) {
+    draft.fail(fmt::format("bodies.{}.{}", number, key), "", rule);
+  };
+  const auto missing = [](const char* key) {
+    return fmt::format("is missing; it {}", rule_of(*find_key("bodies", key), Names{}));
+  };
+  const bool none = body.shape == BodyShape::none;
+  if (body.mass_kg == 0 && !none) fail("mass", missing("mass"));
+  if (body.mass_kg > 0 && none && !body.inertia_kgm2)
+    fail("inertia", missing("inertia") + ", of a mass without a shape");
+  if (body.mass_kg == 0 && body.inertia_kgm2) fail("mass", missing("mass") + ", of an inertia");
+  if (body.centre_m != Vec3{} && !body.inertia_kgm2) {
+    fail("centre", "needs an inertia: a uniform solid has its centre of mass in its own centre");
+  }
+  double sum = body.mass_kg;
+  for (const ShapeTable& shape : body.shapes) sum += shape.mass_kg;
+  const KeyRow& row = *find_key("bodies", "mass");
+  if (sum < row.least) fail("mass", missing("mass") + ", or else that of its [[bodies.shapes]] together");
 }
 
 void check_bodies(const Draft& draft) {
@@ -135,9 +160,17 @@ void check_bodies(const Draft& draft) {
     draft.fail("bodies", fmt::format("{} tables", draft.said.bodies.size()),
                fmt::format("must be at most {} tables [[bodies]]", most));
   }
+  std::size_t shapes = 0;
   for (std::size_t i = 0; i < draft.said.bodies.size(); ++i) {
     const BodyTable& body = draft.said.bodies[i];
+    shapes += body.shapes.size();
+    if (shapes > most) {
+      draft.fail(fmt::format("bodies.{}.shapes", i), "",
+                 fmt::format("makes {} tables [[bodies.shapes]]; at most {} are taken", shapes, most));
+    }
     check_has_size(draft, i);
+    check_has_mass(draft, i);
+    check_shapes(draft, i);
     if (draft.said.ground && body.shape != BodyShape::box && body.shape != BodyShape::sphere) {
       draft.fail(fmt::format("bodies.{}.shape", i), word_of(body.shape),
                  "must be box or sphere on a [ground]; the [[planes]] of a mechanism bear all shapes");
@@ -166,6 +199,33 @@ void pull_out_of_joint(Description& said) {
 
 }  // namespace
 
+void refuse_misplaced(const Draft& draft) {
+  if (draft.tree.contains("shapes")) {
+    draft.fail("shapes", "", "is no table of a file; the shapes of a body are tables [[bodies.shapes]] below it",
+               Draft::Blame::parts);
+  }
+  const auto refuse_plane = [&](const toml::node_view<const toml::node>& table, const std::string& path) {
+    if (table["shape"].value<std::string_view>() != "plane") return;
+    draft.fail(path + ".shape", "plane",
+               "is of no body: ODE's planes stand still; write it as [[planes]], which [[contacts]] name");
+  };
+  const auto bodies = draft.tree["bodies"];
+  const auto count = [](const auto& node) { return node.is_array() ? node.as_array()->size() : 0; };
+  for (std::size_t i = 0; i < count(bodies); ++i) {
+    refuse_plane(bodies[i], fmt::format("bodies.{}", i));
+    const auto shapes = bodies[i]["shapes"];
+    for (std::size_t k = 0; k < count(shapes); ++k) refuse_plane(shapes[k], fmt::format("bodies.{}.shapes.{}", i, k));
+  }
+}
+
+void settle_shapes(Draft& draft) {
+  for (std::size_t i = 0; i < draft.said.bodies.size(); ++i) {
+    const toml::table& table = *draft.tree["bodies"][i].as_table();
+    BodyTable& body = draft.said.bodies[i];
+    if (!body.shapes.empty() && !table.contains("shape") && !table.contains("size")) body.shape = BodyShape::none;
+  }
+}
+
 void settle_bodies(Draft& draft) {
   make_thin(draft);
   check_bodies(draft);
@@ -175,7 +235,7 @@ void place_bodies(Draft& draft) {
   if (draft.said.problem->joints) {
     settle_joints(draft);
     settle_contacts(draft);
-    check_shapes(draft);
+    for (std::size_t i = 0; i < draft.said.bodies.size(); ++i) check_held_by_plane(draft, i);
   }
   if (draft.said.joint) check_joint(draft);
   if (draft.said.ground) lay_on_ground(draft.said);

@@ -30,7 +30,8 @@ void add_link(Section section, const Link& link) {
 }
 
 void add_body(Section section, const BodyTable& body) {
-  section.add("shape", word_of(body.shape)).add("mass", body.mass_kg);
+  section.add("shape", word_of(body.shape));
+  if (body.mass_kg > 0) section.add("mass", body.mass_kg);
   if (body.shape != BodyShape::none) section.add("size", body.size_m);
   section.add("position", body.position_m)
       .add("turn", body.turn_rad)
@@ -40,15 +41,15 @@ void add_body(Section section, const BodyTable& body) {
   if (!body.name.empty()) section.add("name", body.name);
   if (body.inertia_kgm2)
     section.add("inertia", std::vector<double>(body.inertia_kgm2->begin(), body.inertia_kgm2->end()));
+  if (body.centre_m != Vec3{}) section.add("centre", body.centre_m);
 }
 
 void add_shape(Section section, const ShapeTable& shape) {
-  section.add("body", shape.body)
-      .add("shape", word_of(shape.shape))
+  section.add("shape", word_of(shape.shape))
       .add("mass", shape.mass_kg)
       .add("size", shape.size_m)
-      .add("position", shape.position_m)
-      .add("turn", shape.turn_rad);
+      .add("position", shape.position_m);
+  if (shape.shape != BodyShape::sphere) section.add("turn", shape.turn_rad);
 }
 
 void add_ground(Section section, const GroundTable& ground, bool friction) {
@@ -140,9 +141,12 @@ Definition definition_of(const Description& said) {
   std::size_t number = 0;
   for (const Link& link : said.links) add_link({all, fmt::format("links.{}", number++)}, link);
   number = 0;
-  for (const BodyTable& body : said.bodies) add_body({all, fmt::format("bodies.{}", number++)}, body);
-  number = 0;
-  for (const ShapeTable& shape : said.shapes) add_shape({all, fmt::format("shapes.{}", number++)}, shape);
+  for (const BodyTable& body : said.bodies) {
+    const std::string name = fmt::format("bodies.{}", number++);
+    add_body({all, name}, body);
+    for (std::size_t i = 0; i < body.shapes.size(); ++i)
+      add_shape({all, fmt::format("{}.shapes.{}", name, i)}, body.shapes[i]);
+  }
   number = 0;
   for (const JointTable& joint : said.joints) add_joint_of_tree({all, fmt::format("joints.{}", number++)}, joint);
   add_loads(all, "springs", said.springs);

@@ -16,28 +16,29 @@ enum class BodyShape { box, sphere, cylinder, capsule, none };
 constexpr std::array<std::string_view, 5> body_shape_words{"box", "sphere", "cylinder", "capsule", "none"};
 inline std::string word_of(BodyShape shape) { return std::string(body_shape_words[static_cast<std::size_t>(shape)]); }
 
+/// One table [[bodies.shapes]]: more of a body.
+struct ShapeTable {
+  BodyShape shape = BodyShape::box;
+  double mass_kg = 0;
+  Vec3 size_m{};      // as a body's
+  Vec3 position_m{};  // from where the body's `position` is, along the body's own axes
+  Vec3 turn_rad{};    // against them
+};
+
 /// One table [[bodies]].
 struct BodyTable {
-  BodyShape shape = BodyShape::box;  // none: those of its tables [[shapes]] alone
-  double mass_kg = 0;
-  Vec3 size_m{};        // of the box around it, along its own axes
-  Vec3 position_m{};    // of its centre
-  Vec3 turn_rad{};      // rotation vector
-  Vec3 velocity_m_s{};  // of its centre
+  BodyShape shape = BodyShape::box;  // none: those of its tables [[bodies.shapes]] alone
+  double mass_kg = 0;                // 0: its shapes have all of it
+  Vec3 size_m{};                     // of the box around it, along its own axes
+  Vec3 position_m{};                 // of its shape's centre
+  Vec3 centre_m{};                   // of the centre of its mass from there, along its own axes
+  Vec3 turn_rad{};                   // rotation vector
+  Vec3 velocity_m_s{};               // of what is at its position
   Vec3 spin_rad_s{};
   double aspect = 1;                                       // by how much the sides x and y are divided
   std::string name = {};                                   // empty: "body" and its number, from 1
   std::optional<std::array<double, 6>> inertia_kgm2 = {};  // xx, yy, zz, xy, xz, yz about its own axes; absent: uniform
-};
-
-/// One table [[shapes]]: more of a body.
-struct ShapeTable {
-  std::string body;  // name
-  BodyShape shape = BodyShape::box;
-  double mass_kg = 0;
-  Vec3 size_m{};      // as a body's
-  Vec3 position_m{};  // from the centre that the body's `position` is of, along the body's own axes
-  Vec3 turn_rad{};    // against them
+  std::vector<ShapeTable> shapes = {};
 };
 
 /// [ground]: a plane through the origin that falls towards +x.
@@ -109,7 +110,6 @@ struct Description {
   std::vector<Link> links;
   std::optional<Wall> wall;
   std::vector<BodyTable> bodies;
-  std::vector<ShapeTable> shapes;
   std::optional<GroundTable> ground;
   std::optional<JointTable> joint;
   std::vector<JointTable> joints;

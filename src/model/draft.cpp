@@ -27,6 +27,12 @@ std::string text_of(const toml::node& node) {
   return out.str();
 }
 
+/// Whether the key is of one number of the list at the path: "q0.1" of "q0".
+bool is_number_in(std::string_view path, std::string_view key) {
+  if (!is_or_holds(path, key) || key.size() == path.size()) return false;
+  return key.find_first_not_of("0123456789", path.size() + 1) == std::string_view::npos;
+}
+
 }  // namespace
 
 std::string joined(std::string_view section, std::string_view name) {
@@ -37,7 +43,7 @@ std::string shown(const toml::node& node) { return one_line(text_of(node), 60); 
 
 const Override* Draft::setting_of(std::string_view path, Blame blame) const {
   for (auto setting = overrides.rbegin(); setting != overrides.rend(); ++setting) {
-    if (is_or_holds(setting->key, path)) return &*setting;
+    if (is_or_holds(setting->key, path) || is_number_in(path, setting->key)) return &*setting;
     if (blame == Blame::parts && is_or_holds(path, setting->key)) return &*setting;
   }
   return nullptr;

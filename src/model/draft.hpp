@@ -19,7 +19,8 @@ struct Draft {
 
   enum class Blame { whole, parts };
 
-  /// The last setting that gave the value at the path, or with Blame::parts something inside it; null: the file did.
+  /// The last setting that gave the value at the path or one number of it, or with Blame::parts something inside it;
+  /// null: the file did.
   const Override* setting_of(std::string_view path, Blame blame = Blame::whole) const;
 
   /// `where` is the path of the value at fault, `value` its text or empty when there is none.
@@ -41,6 +42,9 @@ std::string shown(const toml::node& node);
 // Steps of reading in their order; those of links are for pendulums, those of bodies for all else. All throw UserError
 // of one line.
 
+/// Fails for what a file has no word for, but a good reason.
+void refuse_misplaced(const Draft& draft);
+
 /// Fills the scenario by the table of keys.
 void read_keys(Draft& draft);
 
@@ -49,6 +53,9 @@ void choose_softness(Draft& draft);
 
 /// Links and start angles of a pendulum, completed.
 void settle_links(Draft& draft);
+
+/// A body that says nothing of a shape of its own has its tables [[bodies.shapes]] alone.
+void settle_shapes(Draft& draft);
 
 /// Bodies in space, thin ones made thin.
 void settle_bodies(Draft& draft);

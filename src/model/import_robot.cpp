@@ -288,6 +288,10 @@ class Import {
       for (const Robot::Solid& said : robot_.links[i].solids) {
         auto solid = with_sides(robot_.links[i], said);
         if (!solid) continue;
+        if (std::ranges::any_of(solid->sides_m, [](double side) { return side != in_file(side); })) {
+          robot_.remark("collision shapes", "with sides from 0.1 mm to 1 km: shorter and longer ones are as these",
+                        robot_.links[i].name);
+        }
         solid->frame = from_world * places_[i] * solid->frame;
         lump.solids.push_back(std::move(*solid));
       }
@@ -326,7 +330,12 @@ class Import {
   }
 
   void remark_shapes() {
-    for (const Robot::Link& link : robot_.links) {
+    for (std::size_t i = 0; i < robot_.links.size(); ++i) {
+      const Robot::Link& link = robot_.links[i];
+      if (!out_.body_of[i] && !link.solids.empty()) {
+        robot_.remark("collision shapes", "not taken: the link stands in the world", link.name);
+        continue;
+      }
       for (const Robot::Solid& solid : link.solids) {
         const bool mesh = solid.form == Form::mesh;
         if (mesh && !has_mesh_box(solid.file)) {
@@ -341,8 +350,8 @@ class Import {
         return solid.form != Form::plane && solid.form != Form::other;
       };
       if (std::ranges::none_of(link.solids, boxed)) continue;
-      robot_.remark("collision shapes", "as [[shapes]], which are drawn and touch nothing until [[contacts]] are added",
-                    link.name);
+      robot_.remark("collision shapes",
+                    "as [[bodies.shapes]], which are drawn and touch nothing until [[contacts]] are added", link.name);
     }
   }
 
@@ -383,10 +392,11 @@ void Import::write_shape(std::string& text, const Lump& lump, const Robot::Solid
   if (solid.form == Form::cylinder) word = "cylinder";
   if (solid.form == Form::capsule) word = sides[2] > sides[0] ? "capsule" : "sphere";
   if (solid.form == Form::sphere) word = "sphere";
-  text +=
-      fmt::format("\n[[shapes]]\nbody     = \"{}\"\nshape    = \"{}\"\nsize     = {}\nposition = {}\nturn     = {}\n",
-                  lump.name, word, shown(sides), shown(solid.frame.position_m - lump.centre_m),
-                  shown(rotation_vector_of(solid.frame.rotation)));
+  text += fmt::format("\n[[bodies.shapes]]\nshape    = \"{}\"\nsize     = {}\nposition = {}\n", word, shown(sides),
+                      shown(solid.frame.position_m - lump.centre_m));
+  if (word != std::string_view("sphere")) {
+    text += fmt::format("turn     = {}\n", shown(rotation_vector_of(solid.frame.rotation)));
+  }
 }
 
 void Import::write_joint(std::string& text, std::size_t link, const std::string& name) const {

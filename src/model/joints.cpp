@@ -166,6 +166,11 @@ void check_motors(const Draft& draft, std::size_t number) {
     draft.fail(path_of("joints", number, motor_keys[k]), "",
                fmt::format("has no meaning for kind {}; remove it", joint.kind->word), Draft::Blame::parts);
   }
+  for (std::size_t k = 0; k < joint.motors.size(); ++k) {
+    if (!joint.motors[k] || joint.motors[k]->most != 0) continue;
+    draft.fail(path_of("joints", number, motor_keys[k]) + ".force", "0",
+               fmt::format("does nothing; it must be above 0, or the table {} is to be removed", motor_keys[k]));
+  }
 }
 
 /// Stops are of joints with one way to go, which starts between them.

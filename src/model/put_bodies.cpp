@@ -73,39 +73,46 @@ Box box_around(const std::vector<Part>& parts) {
   return box;
 }
 
-/// Makes the body, which is its own shape so far, one of several: its mass, its centre of mass and its inertia are
-/// those of all together.
-void add_shapes(Body& body, const std::vector<ShapeTable>& tables, bool none_of_its_own) {
+/// A mass about its own centre.
+struct Lump {
+  double mass_kg = 0;
+  Frame place;      // of its centre, and of the axes of its tensor
+  Rotation tensor;  // about it
+};
+
+/// Makes the body, which is its own shape about its centre of mass so far, what its table says of its centre and its
+/// other shapes: its mass, its centre of mass and its inertia are those of all together.
+void add_shapes(Body& body, const BodyTable& said) {
+  if (said.shapes.empty() && said.centre_m == Vec3{}) return;
   std::vector<Part> parts{{body.shape}};
-  std::vector<double> masses{body.mass_kg};
-  std::vector<Rotation> tensors{body.inertia_kgm2.value_or(tensor_of(body.shape, body.mass_kg))};
-  for (const ShapeTable& table : tables) {
-    if (table.body != body.name) continue;
+  std::vector<Lump> lumps{{body.mass_kg,
+                           {said.centre_m, Frame{}.rotation},
+                           body.inertia_kgm2.value_or(tensor_of(body.shape, body.mass_kg))}};
+  for (const ShapeTable& table : said.shapes) {
     const Shape shape = shape_of(table.shape, table.size_m);
     parts.push_back({shape, {table.position_m, rotation_of_vector(table.turn_rad)}});
-    masses.push_back(table.mass_kg);
-    tensors.push_back(tensor_of(shape, table.mass_kg));
+    lumps.push_back({table.mass_kg, parts.back().place, tensor_of(shape, table.mass_kg)});
   }
-  if (parts.size() == 1) return;
   Vec3 centre{};
   body.mass_kg = 0;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    centre = centre + masses[i] * parts[i].place.position_m;
-    body.mass_kg += masses[i];
+  for (const Lump& lump : lumps) {
+    centre = centre + lump.mass_kg * lump.place.position_m;
+    body.mass_kg += lump.mass_kg;
   }
   centre = (1 / body.mass_kg) * centre;
   Rotation whole{};
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    parts[i].place.position_m = parts[i].place.position_m - centre;
-    const Rotation part = moved(tensors[i], masses[i], parts[i].place);
+  for (Lump& lump : lumps) {
+    lump.place.position_m = lump.place.position_m - centre;
+    const Rotation part = moved(lump.tensor, lump.mass_kg, lump.place);
     for (std::size_t k = 0; k < whole.size(); ++k) whole[k] += part[k];
   }
+  for (Part& part : parts) part.place.position_m = part.place.position_m - centre;
   for (const auto& [upper, lower] : {std::pair{1, 3}, {2, 6}, {5, 7}}) whole[lower] = whole[upper];
   const Vec3 away = turned(rotation_of_vector(rotation_vector(body.attitude)), centre);
   body.position_m = body.position_m + away;
   body.velocity_m_s = body.velocity_m_s + cross(body.spin_rad_s, away);
   body.inertia_kgm2 = whole;
-  if (none_of_its_own) parts.erase(parts.begin());
+  if (said.shape == BodyShape::none) parts.erase(parts.begin());
   body.shape = box_around(parts);
   body.several = std::move(parts);
 }
@@ -233,7 +240,7 @@ void put_bodies(Scenario& scenario, const Description& description) {
   std::size_t number = 0;
   for (const BodyTable& table : description.bodies) scenario.mechanism.bodies.push_back(body_of(table, ++number));
   for (std::size_t i = 0; i < description.bodies.size(); ++i)
-    add_shapes(scenario.mechanism.bodies[i], description.shapes, description.bodies[i].shape == BodyShape::none);
+    add_shapes(scenario.mechanism.bodies[i], description.bodies[i]);
   if (description.joint) {
     scenario.mechanism.joints.push_back(joint_of(*description.joint, description.bodies.size() > 1));
   }

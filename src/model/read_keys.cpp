@@ -107,7 +107,10 @@ KeyValue value_of(const Draft& draft, const KeyRow& row, const toml::node& node,
 
 void read_table(Draft& draft, const toml::table& table, std::string_view section, const std::string& path);
 
+void read_list(Draft& draft, const std::string& section, const toml::node& node, const std::string& path);
+
 void read_inner(Draft& draft, const std::string& section, const toml::node& node, const std::string& path) {
+  if (find_section(section)->list) return read_list(draft, section, node, path);
   const toml::table* const table = node.as_table();
   if (table == nullptr) draft.fail(path, shown(node), fmt::format("must be a table [{}]", section));
   for (std::size_t k = 0; k < motor_keys.size(); ++k) {
@@ -121,7 +124,7 @@ void add_to(Draft& draft, std::string_view section) {
   Description& said = draft.said;
   if (section == "links") said.links.emplace_back();
   if (section == "bodies") said.bodies.emplace_back();
-  if (section == "shapes") said.shapes.emplace_back();
+  if (section == "bodies.shapes") said.bodies.back().shapes.emplace_back();
   if (section == "joints") said.joints.emplace_back();
   if (section == "springs") said.springs.emplace_back();
   if (section == "torques") said.torques.emplace_back();
@@ -151,26 +154,27 @@ void read_table(Draft& draft, const toml::table& table, std::string_view section
   }
 }
 
+void read_list(Draft& draft, const std::string& section, const toml::node& node, const std::string& path) {
+  const toml::array* list = node.as_array();
+  if (list == nullptr) draft.fail(path, shown(node), fmt::format("must be tables [[{}]]", section));
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    const std::string element = fmt::format("{}.{}", path, i);
+    const toml::table* table = (*list)[i].as_table();
+    if (table == nullptr) draft.fail(element, shown((*list)[i]), fmt::format("must be a table [[{}]]", section));
+    add_to(draft, section);
+    read_table(draft, *table, section, element);
+  }
+}
+
 void read_section(Draft& draft, const SectionRow& section, const toml::node& node) {
   const std::string name(section.name);
-  if (!section.list) {
-    const toml::table* table = node.as_table();
-    if (table == nullptr) draft.fail(name, shown(node), fmt::format("must be a table [{}]", name));
-    if (name == "wall") draft.said.wall.emplace();
-    if (name == "ground") draft.said.ground.emplace();
-    if (name == "joint") draft.said.joint.emplace();
-    read_table(draft, *table, name, name);
-    return;
-  }
-  const toml::array* list = node.as_array();
-  if (list == nullptr) draft.fail(name, shown(node), fmt::format("must be tables [[{}]]", name));
-  for (std::size_t i = 0; i < list->size(); ++i) {
-    const std::string path = fmt::format("{}.{}", name, i);
-    const toml::table* table = (*list)[i].as_table();
-    if (table == nullptr) draft.fail(path, shown((*list)[i]), fmt::format("must be a table [[{}]]", name));
-    add_to(draft, name);
-    read_table(draft, *table, name, path);
-  }
+  if (section.list) return read_list(draft, name, node, name);
+  const toml::table* table = node.as_table();
+  if (table == nullptr) draft.fail(name, shown(node), fmt::format("must be a table [{}]", name));
+  if (name == "wall") draft.said.wall.emplace();
+  if (name == "ground") draft.said.ground.emplace();
+  if (name == "joint") draft.said.joint.emplace();
+  read_table(draft, *table, name, name);
 }
 
 }  // namespace

@@ -39,9 +39,8 @@ void check_sections(const Draft& draft) {
   }
   if (!problem.joints) {
     draft.refuse("joints");
-    for (const char* key : {"name", "inertia"}) draft.refuse_in("bodies", key);
-    for (const char* list : {"shapes", "springs", "torques", "controllers", "planes", "contacts", "struts"})
-      draft.refuse(list);
+    for (const char* key : {"name", "inertia", "centre", "shapes"}) draft.refuse_in("bodies", key);
+    for (const char* list : {"springs", "torques", "controllers", "planes", "contacts", "struts"}) draft.refuse(list);
   }
   if (problem.ground && !problem.friction) {
     for (const char* key : {"friction", "friction_model"}) draft.refuse("ground", key);
@@ -120,6 +119,7 @@ Scenario ScenarioFile::read(const std::vector<Override>& overrides, const Names&
   draft.scenario.name = file_.stem().string();
   draft.scenario.file = file_.string();
   check_name(draft.scenario);
+  refuse_misplaced(draft);
   read_keys(draft);
   choose_softness(draft);
   const bool pendulum = draft.said.problem->planar;
@@ -128,6 +128,7 @@ Scenario ScenarioFile::read(const std::vector<Override>& overrides, const Names&
     settle_links(draft);
     draft.scenario.definition = definition_of(draft.said);
   } else {
+    settle_shapes(draft);
     draft.scenario.definition = definition_of(draft.said);
     settle_bodies(draft);
   }

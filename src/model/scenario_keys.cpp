@@ -124,9 +124,9 @@ constexpr KeyRow rows[] = {
   {"wall", "restitution", number, "",  0, 1,      false, nullptr, "1", "speed after an impact over speed before",
       [](D& d, S&, const V& v) { d.wall->restitution = v.number; }},
 
-  {"bodies", "shape",    word,    "",      0, 0,       false, body_shape_names, "box", "of a uniform solid; a cylinder and a capsule lie along z; none: what [[shapes]] it has",
+  {"bodies", "shape",    word,    "",      0, 0,       false, body_shape_names, "box; none of a body with [[bodies.shapes]] and no size", "of a uniform solid; a cylinder and a capsule lie along z; none: what [[bodies.shapes]] it has",
       [](D& d, S&, const V& v) { d.bodies.back().shape = body_shape_named(v.word); }},
-  {"bodies", "mass",     number,  "kg",    1e-6, 1e6,  false, nullptr, "", "of the body",
+  {"bodies", "mass",     number,  "kg",    1e-6, 1e6,  false, nullptr, "has to be said, but where [[bodies.shapes]] have all of it", "of the body, without that of its [[bodies.shapes]]",
       [](D& d, S&, const V& v) { d.bodies.back().mass_kg = v.number; }},
   {"bodies", "size",     numbers, "m",     1e-4, 1e3,  false, nullptr, "has to be said, but for shape none", "sides of the box around it, along the body's own axes; of a sphere the diameter, three times",
       [](D& d, S&, const V& v) { d.bodies.back().size_m = vector(v); }, 3},
@@ -143,21 +143,21 @@ constexpr KeyRow rows[] = {
 
   {"bodies", "name",     label,   "",      0, 0,       false, nullptr, "body and its number", "by which [[joints]] know it",
       [](D& d, S&, const V& v) { d.bodies.back().name = v.word; }},
-  {"bodies", "inertia",  numbers, "kg m²", -1e9, 1e9,  false, nullptr, "that of a uniform solid", "xx, yy, zz, xy, xz, yz of the tensor about the centre, along the body's own axes",
+  {"bodies", "centre",   numbers, "m",     -1e3, 1e3,  false, nullptr, "0", "centre of `mass`, from where `position` is, along the body's own axes; it needs an inertia",
+      [](D& d, S&, const V& v) { d.bodies.back().centre_m = vector(v); }, 3},
+  {"bodies", "inertia",  numbers, "kg m²", -1e9, 1e9,  false, nullptr, "that of a uniform solid", "xx, yy, zz, xy, xz, yz of the tensor about the centre of `mass`, along the body's own axes",
       [](D& d, S&, const V& v) { std::ranges::copy(v.numbers, d.bodies.back().inertia_kgm2.emplace().begin()); }, 6},
 
-  {"shapes", "body",     label,   "",      0, 0,       false, nullptr, "", "name of the body that has this shape as well",
-      [](D& d, S&, const V& v) { d.shapes.back().body = v.word; }},
-  {"shapes", "shape",    word,    "",      0, 0,       false, solid_names, "box", "as of [[bodies]]",
-      [](D& d, S&, const V& v) { d.shapes.back().shape = body_shape_named(v.word); }},
-  {"shapes", "size",     numbers, "m",     1e-4, 1e3,  false, nullptr, "", "as of [[bodies]], along its own axes",
-      [](D& d, S&, const V& v) { d.shapes.back().size_m = vector(v); }, 3},
-  {"shapes", "mass",     number,  "kg",    0, 1e6,     false, nullptr, "0", "that it adds to the body's, as a uniform solid",
-      [](D& d, S&, const V& v) { d.shapes.back().mass_kg = v.number; }},
-  {"shapes", "position", numbers, "m",     -1e3, 1e3,  false, nullptr, "0", "of its centre, from the one that the body's `position` is of, along the body's own axes",
-      [](D& d, S&, const V& v) { d.shapes.back().position_m = vector(v); }, 3},
-  {"shapes", "turn",     numbers, "rad",   -1e3, 1e3,  false, nullptr, "0", "rotation vector that turns the body's own axes into those of the shape",
-      [](D& d, S&, const V& v) { d.shapes.back().turn_rad = vector(v); }, 3},
+  {"bodies.shapes", "shape",    word,    "",      0, 0,       false, solid_names, "box", "as of [[bodies]]",
+      [](D& d, S&, const V& v) { d.bodies.back().shapes.back().shape = body_shape_named(v.word); }},
+  {"bodies.shapes", "size",     numbers, "m",     1e-4, 1e3,  false, nullptr, "", "as of [[bodies]], along its own axes",
+      [](D& d, S&, const V& v) { d.bodies.back().shapes.back().size_m = vector(v); }, 3},
+  {"bodies.shapes", "mass",     number,  "kg",    0, 1e6,     false, nullptr, "0", "that it adds to the body's, as a uniform solid",
+      [](D& d, S&, const V& v) { d.bodies.back().shapes.back().mass_kg = v.number; }},
+  {"bodies.shapes", "position", numbers, "m",     -1e3, 1e3,  false, nullptr, "0", "of its centre, from where the body's `position` is, along the body's own axes",
+      [](D& d, S&, const V& v) { d.bodies.back().shapes.back().position_m = vector(v); }, 3},
+  {"bodies.shapes", "turn",     numbers, "rad",   -1e3, 1e3,  false, nullptr, "0", "rotation vector that turns the body's own axes into those of the shape; not of a sphere",
+      [](D& d, S&, const V& v) { d.bodies.back().shapes.back().turn_rad = vector(v); }, 3},
 
   {"joints", "kind",     word,    "",      0, 0,       false, joint_names, "", "what it holds, and what it leaves free",
       [](D& d, S&, const V& v) { d.joints.back().kind = joint_named(v.word); }},
@@ -345,12 +345,13 @@ constexpr KeyRow rows[] = {
 };
 // clang-format on
 
-constexpr SectionRow sections[] = {
-    {"links", true},         {"wall", false},          {"bodies", true},         {"shapes", true},   {"joints", true},
-    {"joints.motor", false}, {"joints.motor2", false}, {"joints.motor3", false}, {"springs", true},  {"torques", true},
-    {"controllers", true},   {"struts", true},         {"planes", true},         {"contacts", true}, {"ground", false},
-    {"joint", false},        {"ode", false},           {"bullet", false},        {"mujoco", false},  {"maximal", false},
-    {"tolerances", true}};
+constexpr SectionRow sections[] = {{"links", true},          {"wall", false},          {"bodies", true},
+                                   {"bodies.shapes", true},  {"joints", true},         {"joints.motor", false},
+                                   {"joints.motor2", false}, {"joints.motor3", false}, {"springs", true},
+                                   {"torques", true},        {"controllers", true},    {"struts", true},
+                                   {"planes", true},         {"contacts", true},       {"ground", false},
+                                   {"joint", false},         {"ode", false},           {"bullet", false},
+                                   {"mujoco", false},        {"maximal", false},       {"tolerances", true}};
 
 }  // namespace
 

@@ -124,97 +124,6 @@ void summaries_tell_all() {
   CHECK(!has("joints.1.axis2"));
 }
 
-/// The moments of a solid of revolution about z, as discs: the middle of each in the place of its thickness, which of
-/// 10000 leaves less than 1e-7.
-Vec3 moments_of_discs(double length, double mass, double (*radius)(double z)) {
-  constexpr int discs = 10000;
-  double volume = 0, along = 0, across = 0;
-  for (int k = 0; k < discs; ++k) {
-    const double z = length * ((k + 0.5) / discs - 0.5);
-    const double square = radius(z) * radius(z);
-    volume += square;
-    along += square * square / 2;
-    across += square * (square / 4 + z * z);
-  }
-  return {mass * across / volume, mass * across / volume, mass * along / volume};
-}
-
-void masses_of_bars() {
-  const auto straight = [](double) { return 0.15; };
-  const auto round = [](double z) {
-    const double beyond = std::fmax(0, std::fabs(z) - 0.25);
-    return std::sqrt(std::fmax(0, 0.15 * 0.15 - beyond * beyond));
-  };
-  const Vec3 cylinder = moments_of_discs(0.8, 3, straight);
-  const Vec3 capsule = moments_of_discs(0.8, 3, round);
-  for (std::size_t k = 0; k < 3; ++k) {
-    CHECK_NEAR(uniform_moments_kgm2(Cylinder{0.3, 0.8}, 3)[k], cylinder[k], 1e-7);
-    CHECK_NEAR(uniform_moments_kgm2(Capsule{0.3, 0.8}, 3)[k], capsule[k], 1e-7);
-  }
-}
-
-// A ball of 2 kg, with another of 1 kg fastened 0.3 m off along its x, which is the world's y, and a bar without mass.
-const std::string dumbbell = R"(problem = "mechanism"
-duration = 1
-[[bodies]]
-name = "dumbbell"
-shape = "sphere"
-mass = 2
-size = [0.1, 0.1, 0.1]
-position = [0, 0, 1]
-turn = [0, 0, 1.5707963267948966]
-velocity = [1, 0, 0]
-spin = [0, 0, 2]
-[[shapes]]
-body = "dumbbell"
-shape = "sphere"
-mass = 1
-size = [0.2, 0.2, 0.2]
-position = [0.3, 0, 0]
-[[shapes]]
-body = "dumbbell"
-shape = "capsule"
-size = [0.05, 0.05, 0.4]
-position = [0.15, 0, 0]
-turn = [0, 1.5707963267948966, 0]
-[[joints]]
-kind = "hinge"
-parent = "world"
-child = "dumbbell"
-anchor = [0, 0.5, 0]
-axis = [0, 0, 1]
-)";
-
-void several_shapes() {
-  const Body body = read(dumbbell).mechanism.bodies[0];
-  CHECK_EQUAL(body.mass_kg, 3.0);
-  CHECK_NEAR(body.position_m[0], 0, 1e-15);
-  CHECK_NEAR(body.position_m[1], 0.1, 1e-15);
-  CHECK_NEAR(body.velocity_m_s[0], 1 - 2 * 0.1, 1e-15);
-  const std::array<double, 9>& inertia = body.inertia_kgm2.value();
-  const double about_x = 2 * 0.1 * 0.1 / 10 + 1 * 0.2 * 0.2 / 10;
-  const double across = about_x + 2.0 / 3 * 0.3 * 0.3;  // reduced mass times distance squared
-  const std::array<double, 9> wanted{about_x, 0, 0, 0, across, 0, 0, 0, across};
-  for (std::size_t k = 0; k < 9; ++k) CHECK_NEAR(inertia[k], wanted[k], 1e-16);
-  CHECK_EQUAL(body.parts().size(), 3u);
-  CHECK_NEAR(body.parts()[0].place.position_m[0], -0.1, 1e-15);
-  CHECK_NEAR(body.parts()[2].place.position_m[0], 0.05, 1e-15);
-  CHECK_NEAR(std::fabs(axis_of(body.parts()[2].place.rotation, 2)[0]), 1, 1e-15);
-  CHECK(std::holds_alternative<Capsule>(body.parts()[2].shape));
-  // The same of a body without a shape of its own, whose mass and inertia are said.
-  std::string text = replaced(dumbbell, "shape = \"sphere\"\nmass = 2\nsize = [0.1, 0.1, 0.1]",
-                              "shape = \"none\"\nmass = 2\ninertia = [0.002, 0.002, 0.002, 0, 0, 0]");
-  const Body bare = read(text).mechanism.bodies[0];
-  CHECK_EQUAL(bare.parts().size(), 2u);
-  CHECK_EQUAL(bare.mass_kg, 3.0);
-  CHECK_NEAR(bare.position_m[1], 0.1, 1e-15);
-  for (std::size_t k = 0; k < 9; ++k) CHECK_NEAR(bare.inertia_kgm2.value()[k], wanted[k], 1e-16);
-  CHECK_NEAR(bare.parts()[0].place.position_m[0], 0.2, 1e-15);
-  // The box about the centre of mass that holds them: the ball that is 0.2 m off reaches the farthest, with its radius.
-  CHECK_NEAR(sides_m(body.shape)[0], 2 * (0.2 + 0.1), 1e-15);
-  CHECK_NEAR(sides_m(body.shape)[2], 0.2, 1e-15);
-}
-
 void refused(const std::string& text, const std::string& message) {
   CHECK_THROWS(read(text), UserError, "x.toml: " + message);
 }
@@ -319,43 +228,6 @@ void bad_joints() {
   refused(arm.substr(0, arm.find("[[bodies]]")) + arm.substr(arm.find("[[joints]]")), "bodies = 0 tables");
   refused(arm + "[joint]\nkind = \"ball\"\n", "joint has no meaning for mechanism; remove it");
   refused(arm + "[ground]\n", "ground has no meaning for mechanism; remove it");
-}
-
-void bad_shapes() {
-  const auto wrong = [](const char* what, const char* with, const char* message) {
-    refused(replaced(dumbbell, what, with), message);
-  };
-  wrong("body = \"dumbbell\"", "body = \"dumbell\"",
-        "shapes.0.body = dumbell: is the name of no body (nearest: 'dumbbell')");
-  wrong("size = [0.2, 0.2, 0.2]", "size = [0.2, 0.2, 0.3]",
-        "shapes.0.size = [0.2, 0.2, 0.3]: must be the diameter, three");
-  wrong("size = [0.05, 0.05, 0.4]", "size = [0.05, 0.05, 0.05]",
-        "shapes.1.size = [0.05, 0.05, 0.05]: must be the diameter, twice, and the length with both ends");
-  wrong("\"capsule\"\nsize = [0.05,", "\"cylinder\"\nsize = [0.06,",
-        "shapes.1.size = [0.06, 0.05, 0.4]: must be the diameter");
-  wrong("\"capsule\"", "\"cone\"", "shapes.1.shape = 'cone': must be one of box, sphere, cylinder, capsule");
-  wrong("shape = \"sphere\"\nmass = 2", "shape = \"none\"\nmass = 2", "bodies.0.size has no meaning for shape none");
-  wrong("shape = \"sphere\"\nmass = 2\nsize = [0.1, 0.1, 0.1]", "shape = \"none\"\nmass = 2",
-        "bodies.0.inertia is missing; a body of shape none needs it");
-  refused(
-      "problem = \"mechanism\"\nduration = 1\n[[bodies]]\nmass = 1\nshape = \"none\"\ninertia = [1, 1, 1, 0, 0, 0]\n",
-      "bodies.0.shape must not be none for a body that no [[shapes]] are of");
-  wrong("size = [0.1, 0.1, 0.1]\n", "", "bodies.0.size is missing; it must be");
-  wrong("\"capsule\"", "\"none\"", "shapes.1.shape = 'none': must be one of box, sphere, cylinder, capsule");
-  wrong("mass = 1\n", "mass = -1\n", "shapes.0.mass = -1: must be a number from 0 to");
-  wrong("size = [0.2, 0.2, 0.2]\n", "", "shapes.0.size is missing");
-  refused(replaced(replaced(dumbbell, "position = [0, 0, 1]", "position = [0, 0, 0]"),
-                   "kind = \"hinge\"\nparent = \"world\"\nchild = \"dumbbell\"\nanchor = [0, 0.5, 0]\naxis = [0, 0, 1]",
-                   "kind = \"plane2d\"\nparent = \"world\"\nchild = \"dumbbell\""),
-          "shapes.0.mass = 1: must be 0 for a body that kind plane2d holds by its centre");
-  refused(
-      "problem = \"free_box\"\nduration = 1\n[[bodies]]\nmass = 1\nsize = [1, 1, 1]\n[[shapes]]\nbody = "
-      "\"body1\"\nsize = [1, 1, 1]\n",
-      "shapes has no meaning for free_box; remove it");
-  refused(
-      "problem = \"bouncing_ball\"\nduration = 1\n[ground]\n[[bodies]]\nshape = \"capsule\"\nmass = 1\nsize = [1, 1, "
-      "2]\n",
-      "bodies.0.shape = capsule: must be box or sphere on a [ground]");
 }
 
 void bad_starts() {
@@ -572,9 +444,6 @@ void settings_reach_in() {
 }  // namespace
 
 int main() {
-  masses_of_bars();
-  several_shapes();
-  bad_shapes();
   what_becomes_of_it();
   a_universal_joint_on_the_world();
   every_kind();

@@ -23,7 +23,8 @@ constexpr double half_turn = 3.14159265358979323846;
 /// An arm with what importers get wrong: a fixed joint that turns, inertias in frames of their own, a joint that starts
 /// in the middle of its limits, an axis against all others.
 const std::string arm = R"(<robot name="arm">
-  <link name="base"><inertial><mass value="9"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="base"><inertial><mass value="9"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><geometry><sphere radius="0.3"/></geometry></collision></link>
   <link name="upper">
     <inertial><origin xyz="0.1 0.02 0.3" rpy="0.3 0.4 0.5"/><mass value="2"/>
       <inertia ixx="0.02" iyy="0.03" izz="0.04" ixy="0.001" ixz="0.002" iyz="-0.003"/></inertial>
@@ -171,6 +172,11 @@ void an_arm_is_what_its_file_says() {
   CHECK_EQUAL(told["fixed joints"], 2u);
   CHECK_EQUAL(told["start"], 1u);
   CHECK_EQUAL(told["mass"], 1u);
+  CHECK_EQUAL(told["collision shapes"], 3u);  // of upper and bracket, and left out of base, which stands
+  const auto left_out = std::ranges::find_if(imported.robot.remarks, [](const Robot::Remark& remark) {
+    return remark.what == "collision shapes" && remark.rule == "not taken: the link stands in the world";
+  });
+  CHECK(left_out != imported.robot.remarks.end() && left_out->of == std::vector<std::string>{"base"});
   CHECK(told.contains("<link/visual>"));
 }
 

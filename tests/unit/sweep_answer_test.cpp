@@ -298,8 +298,8 @@ const std::vector<Case> cases{
     {"open_hinge", "sample=0.01", {"step=0.001,0.002"}, {}},
 };
 
-/// No scenario that is shipped has [[planes]] or [[shapes]]: a ball that is about to strike a floor that slides beneath
-/// it, one that falls beside it, and one that swings with what is fastened to it.
+/// No scenario that is shipped has [[planes]] or [[bodies.shapes]]: a ball that is about to strike a floor that slides
+/// beneath it, one that falls beside it, and one that swings with what is fastened to it.
 constexpr const char* dropped_file = R"(
 problem = "mechanism"
 duration = 0.12
@@ -323,6 +323,11 @@ shape = "sphere"
 mass = 1.0
 size = [0.2, 0.2, 0.2]
 position = [0.5, 2.0, 3.0]
+inertia = [0.01, 0.01, 0.01, 0.0, 0.0, 0.0]
+[[bodies.shapes]]
+mass = 0.5
+size = [0.1, 0.2, 0.1]
+position = [0.1, 0.0, 0.0]
 [[joints]]
 name = "pivot"
 kind = "hinge"
@@ -330,11 +335,6 @@ parent = "world"
 child = "bob"
 anchor = [0.0, 2.0, 3.0]
 axis = [0.0, 1.0, 0.0]
-[[shapes]]
-body = "bob"
-mass = 0.5
-size = [0.1, 0.2, 0.1]
-position = [0.1, 0.0, 0.0]
 [[planes]]
 name = "floor"
 [[contacts]]
@@ -349,12 +349,12 @@ const std::vector<Case> cases_of_contacts{
      "",
      {"planes.0.normal=[0,0,1],[0.1,0,1]", "planes.0.point=[0,0,0],[0,0,0.01]",
       "contacts.0.between=[\"ball\",\"floor\"],[\"other\",\"floor\"]", "contacts.0.restitution=0.5,0.8",
-      "contacts.0.friction=0.1,0.2", "shapes.0.body=\"bob\",\"other\"", "shapes.0.mass=0.5,0.6",
-      "shapes.0.size=[0.1,0.2,0.1],[0.1,0.2,0.2]", "shapes.0.position=[0.1,0,0],[0.2,0,0]",
-      "shapes.0.turn=[0,0,0],[0.5,0,0]"},
+      "contacts.0.friction=0.1,0.2", "bodies.2.centre=[0,0,0],[0,0,0.1]", "bodies.2.shapes.0.mass=0.5,0.6",
+      "bodies.2.shapes.0.size=[0.1,0.2,0.1],[0.1,0.2,0.2]", "bodies.2.shapes.0.position=[0.1,0,0],[0.2,0,0]",
+      "bodies.2.shapes.0.turn=[0,0,0],[0.5,0,0]"},
      {},
      {"ode.erp=0.2,0.5", "limit=\"springs\",\"numbers\""}},  // of what may need ODE's own limit as its reference
-    {"", "shapes.0.size=[0.1,0.1,0.1]", {"shapes.0.shape=\"box\",\"sphere\""}, {}},
+    {"", "bodies.2.shapes.0.size=[0.1,0.1,0.1]", {"bodies.2.shapes.0.shape=\"box\",\"sphere\""}, {}},
     // What rubs has ODE's own limit as its reference, which everything moves.
     {"", "contacts.0.friction=0.1", {"limit=\"springs\",\"numbers\"", "ode.erp=0.2,0.5"}, {}},
 };
@@ -380,11 +380,11 @@ Pair of_grid(const ScenarioFile& file, const Case& one, const char* axis) {
   return {groups[0] == groups[1], truth(0) == truth(1)};
 }
 
-/// KEY of KEY=VALUES, without the number of a link or body.
+/// KEY of KEY=VALUES, without the numbers of links, bodies and shapes.
 std::string key_of(const std::string& axis) {
   std::string key = axis.substr(0, axis.find('='));
-  if (const std::size_t number = key.find_first_of("01"); number != std::string::npos && key[number - 1] == '.') {
-    key.erase(number, 2);
+  for (const char* number : {".0.", ".1.", ".2."}) {
+    for (std::size_t at; (at = key.find(number)) != std::string::npos;) key.erase(at, 2);
   }
   return key;
 }
@@ -393,8 +393,8 @@ std::string key_of(const std::string& axis) {
 const std::set<std::string_view> mechanisms{"three_link_arm", "cart_pole", "acrobot", "iftomm_governor"};
 const std::set<std::string_view> of_mechanisms{"joints",  "joints.motor2", "joints.motor3", "joints.motor",
                                                "springs", "torques",       "controllers",   "struts",
-                                               "planes",  "contacts",      "shapes"};
-const std::set<std::string_view> keys_of_mechanisms{"bodies.inertia", "limit"};
+                                               "planes",  "contacts",      "bodies.shapes"};
+const std::set<std::string_view> keys_of_mechanisms{"bodies.inertia", "bodies.centre", "limit"};
 
 void runs_share_the_reference_of_their_motion(const fs::path& dropped) {
   // Names that refer to one another can not be changed alone.
