@@ -283,7 +283,9 @@ void every_key_has_a_row() {
     if (key.section == "tolerances" || key.name == "problem" || key.name == "methods") continue;
     const auto named = [&](const Row& row) {
       std::string text = row.key;
-      if (const std::size_t number = text.find(".0.motor"); number != std::string::npos) text.erase(number, 2);
+      for (const char* inner : {".0.motor", ".0.shapes"}) {
+        if (const std::size_t number = text.find(inner); number != std::string::npos) text.erase(number, 2);
+      }
       return text.starts_with(key.section) &&
              (text.ends_with("." + std::string(key.name)) || text == key.name || text == std::string(key.name) + ".0");
     };
