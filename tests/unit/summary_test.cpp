@@ -31,6 +31,7 @@ RunSummary example() {
   run.scenario.file = "/some/where/wall_pendulum.toml";
   run.scenario.duration_s = 2.5;
   run.scenario.mechanism.contacts = {{.restitution = 0.75}};
+  run.scenario.impact_views.resize(1);
   run.grid = {1e-3, 1, 2501};
   run.method = "ode-step-double";
   run.uses_ode = true;
@@ -66,6 +67,9 @@ void json_has_the_keys_of_the_interface() {
   CHECK_EQUAL(run["impacts"].size(), 2u);
   CHECK_EQUAL(run["impacts"][0]["restitution"].get<double>(), 0.8);
   CHECK(run["impacts"][1]["restitution"].is_null());
+  RunSummary uncounted = example();
+  uncounted.scenario.impact_views.clear();  // of contacts that no method counts: not the same as none
+  CHECK(json::parse(summary_json(uncounted))["impacts"].is_null());
   CHECK_EQUAL(run["versions"]["ode"].get<std::string>(), "0.16.2");
   CHECK_EQUAL(run["settings"]["step"].get<double>(), 1e-3);
   CHECK_EQUAL(run["settings"]["ode"]["bounce"].get<double>(), 0.75);  // the wall's, as none is set
