@@ -30,6 +30,13 @@ inline constexpr auto nearby_percents = [] {
   return percents;
 }();
 inline constexpr std::size_t enough_without_impacts = 8;
+
+/// Of the budget, which steps nearby have to keep where something hits something: the rest is for those that are not
+/// tried, since the worst of 60 is not the worst of all. Near a wall's answer whose 60 left up to 0.00975 of 0.01 rad,
+/// 2 of 300 others left more, 0.01034 at most; where the 60 leave a twentieth, none of 300 does, for 2 % more steps of
+/// the run, and leaving a tenth takes 54 % more (ODE 0.16.2).
+inline constexpr double share_where_it_hits = 0.95;
+
 inline constexpr double farthest_percent = nearby_percents.front();
 
 constexpr double moved(double step_s, double percent) { return step_s * (1 + percent / 100); }

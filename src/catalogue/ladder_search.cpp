@@ -94,11 +94,12 @@ Tried LadderSearch::run(const std::vector<Change>& changes, double setting, bool
   return trial;
 }
 
-bool LadderSearch::keeps(const Tried& trial) const {
+bool LadderSearch::keeps(const Tried& trial, double share) const {
   if (!trial.why_not.empty()) return false;
   for (std::size_t i = 0; i < budget_.targets.size(); ++i) {
     const Reached& reached = trial.reached[i];
-    if (!catalogue::keeps(*reached.value, reached.uncertainty.value_or(0), budget_.targets[i].at_most)) return false;
+    if (!catalogue::keeps(*reached.value, reached.uncertainty.value_or(0), share * budget_.targets[i].at_most))
+      return false;
   }
   return true;
 }
@@ -126,8 +127,10 @@ std::optional<Nearby> LadderSearch::steady(const std::vector<Change>& changes, d
   const bool kept = kept_nearby(setting, [&](double near) {
     if (near > longest_step_s) return Near{true, false};
     const Tried trial = run(changes, near, false);
-    if (!keeps(trial)) return Near{false, trial.impacts};
+    const double share = trial.impacts ? share_where_it_hits : 1;
+    if (!keeps(trial, share)) return Near{false, trial.impacts};
     ++nearby.tried;
+    nearby.share = std::min(nearby.share, share);
     for (std::size_t i = 0; i < nearby.worst.size(); ++i) {
       nearby.worst[i] = std::max(nearby.worst[i], std::fabs(*trial.reached[i].value));
     }

@@ -65,7 +65,7 @@ class LadderSearch {
 
  private:
   Ladder make_ladder() const;
-  bool keeps(const Tried& trial) const;
+  bool keeps(const Tried& trial, double share = 1) const;  // that share of the budget
   Tried coarsest_near(const std::vector<Change>& changes, std::size_t place);
   std::optional<Nearby> steady(const std::vector<Change>& changes, double setting);
   Best bisect(const std::vector<Change>& changes, long coarse, std::size_t fine, std::size_t end);

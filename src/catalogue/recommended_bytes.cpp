@@ -21,8 +21,8 @@ void pass(Way& way, Value& reached) {
 template <class Way, class Value>
 requires bytes::is<Value, Nearby>
 void pass(Way& way, Value& nearby) {
-  auto& [tried, worst] = nearby;
-  each(way, tried, worst);
+  auto& [tried, worst, share] = nearby;
+  each(way, tried, worst, share);
 }
 
 template <class Way, class Value>

@@ -49,35 +49,35 @@ constexpr Condition other_arms[]    = {{"answer.arm_keeps", at_least, 1}, {"answ
 /// The box: no figures. Of each group of rows one holds, whatever was measured.
 constexpr std::array box{
     Row{"accuracy", "", 0, lost,
-        "With ODE's defaults and a step of {{answer_step}} the angles of the 2010 report's double pendulum, of metre size, are off by {{answer_error}} after {{answer_early}}; after {{answer_lost_at}} it is another motion. Its energy is right to {{answer_energy_drift}}, {{answer_energy_share_percent}} of what moves, and tells nothing of it."},
+        "With ODE's defaults and a step of {{answer_step}} the angles of the 2010 report's double pendulum, of metre size, are off by {{answer_error}} after {{answer_early}}; after {{answer_lost_at}} it is another motion. Its energy is right to {{answer_energy_drift}}, {{answer_energy_share_percent}} of what moves, and tells nothing of it.", "Accuracy"},
     Row{"accuracy", "", 0, lost_energy,
-        "With ODE's defaults and a step of {{answer_step}} the angles of the 2010 report's double pendulum, of metre size, are off by {{answer_error}} after {{answer_early}}; after {{answer_lost_at}} it is another motion. Its energy drifts by {{answer_energy_drift}} meanwhile, {{answer_energy_share_percent}} of what moves."},
+        "With ODE's defaults and a step of {{answer_step}} the angles of the 2010 report's double pendulum, of metre size, are off by {{answer_error}} after {{answer_early}}; after {{answer_lost_at}} it is another motion. Its energy drifts by {{answer_energy_drift}} meanwhile, {{answer_energy_share_percent}} of what moves.", "Accuracy"},
     Row{"accuracy", "", 0, never_lost,
-        "With ODE's defaults and a step of {{answer_step}} the angles of the 2010 report's double pendulum, of metre size, are off by {{answer_error}} after {{answer_early}}, and until {{answer_until}} it stays the same motion. Its energy is right to {{answer_energy_drift}}, {{answer_energy_share_percent}} of what moves."},
+        "With ODE's defaults and a step of {{answer_step}} the angles of the 2010 report's double pendulum, of metre size, are off by {{answer_error}} after {{answer_early}}, and until {{answer_until}} it stays the same motion. Its energy is right to {{answer_energy_drift}}, {{answer_energy_share_percent}} of what moves.", "Accuracy"},
     Row{"answer-evidence", "", 0, arm_start,
-        "To keep {{answer_arm_budget}} for {{answer_arm_until}} it needs a step of {{answer_arm_step}}, ERP {{answer_arm_erp}} and the half-step start (take from each starting velocity what the weights add in half a step); with ODE's defaults a step of {{answer_arm_default_step}}."},
+        "To keep {{answer_arm_budget}} for {{answer_arm_until}} it needs a step of {{answer_arm_step}}, ERP {{answer_arm_erp}} and the half-step start (take from each starting velocity what the weights add in half a step); with ODE's defaults a step of {{answer_arm_default_step}}.", "An arm"},
     Row{"answer-evidence", "", 0, arm_erp,
-        "To keep {{answer_arm_budget}} for {{answer_arm_until}} it needs a step of {{answer_arm_step}} and ERP {{answer_arm_erp}}; with ODE's defaults a step of {{answer_arm_default_step}}."},
+        "To keep {{answer_arm_budget}} for {{answer_arm_until}} it needs a step of {{answer_arm_step}} and ERP {{answer_arm_erp}}; with ODE's defaults a step of {{answer_arm_default_step}}.", "An arm"},
     Row{"answer-evidence", "", 0, arm_defaults,
-        "To keep {{answer_arm_budget}} for {{answer_arm_until}} it needs a step of {{answer_arm_default_step}} with ODE's defaults, and no settings that were tried allow a much larger one."},
+        "To keep {{answer_arm_budget}} for {{answer_arm_until}} it needs a step of {{answer_arm_default_step}} with ODE's defaults, and no settings that were tried allow a much larger one.", "An arm"},
     Row{"answer-evidence", "", 0, arm_no_default,
-        "To keep {{answer_arm_budget}} for {{answer_arm_until}} it needs a step of {{answer_arm_step}} and ERP {{answer_arm_erp}}, with what else the table says; with ODE's defaults no step that was tried is small enough."},
+        "To keep {{answer_arm_budget}} for {{answer_arm_until}} it needs a step of {{answer_arm_step}} and ERP {{answer_arm_erp}}, with what else the table says; with ODE's defaults no step that was tried is small enough.", "An arm"},
     Row{"answer-evidence", "", 0, arm_none,
-        "No settings that were tried keep {{answer_arm_budget}} for {{answer_arm_until}} of it: take the accurate step."},
+        "No settings that were tried keep {{answer_arm_budget}} for {{answer_arm_until}} of it: take the accurate step.", "An arm"},
     Row{"answer-evidence", "", 0, other_arms,
-        "Those settings are for that motion, not for every arm: they leave {{answer_arm_of_acrobot}} on an acrobot, {{answer_arm_of_three_link}} on an arm that turns in space (three_link_arm) and {{answer_arm_of_puma}} on a falling PUMA robot; the accurate step at the same step at most {{answer_arms_accurate}}."},
+        "Those settings are for that motion, not for every arm: they leave {{answer_arm_of_acrobot}} on an acrobot, {{answer_arm_of_three_link}} on an arm that turns in space (three_link_arm) and {{answer_arm_of_puma}} on a falling PUMA robot; the accurate step at the same step at most {{answer_arms_accurate}}. Yours is told by odeval audit -- PROGRAM.", "Other arms"},
     Row{"answer-evidence", "", 0, impact,
-        "At {{answer_wall_steps}} steps within {{answer_wall_nearby}} of {{answer_wall_step}} the first impact of a link on a wall is off by up to {{answer_impact_first}}, the worst of {{answer_impacts}} until {{answer_wall_until}} by {{answer_impact_error}} and the angles by {{answer_impact_angle}}: ODE sees a contact at the end of a step, and each error goes into the next. Friction is up to {{C14_anisotropy_percent}} too strong along the diagonal of its axes."},
+        "At {{answer_wall_steps}} steps within {{answer_wall_nearby}} of {{answer_wall_step}} the first impact of a link on a wall is off by up to {{answer_impact_first}}, the worst of {{answer_impacts}} until {{answer_wall_until}} by {{answer_impact_error}} and the angles by {{answer_impact_angle}}: ODE sees a contact at the end of a step, and each error goes into the next. Friction is up to {{C14_anisotropy_percent}} too strong along the diagonal of its axes.", "Impacts and friction"},
     Row{"answer-evidence", "", 0, impact_round,
-        "At {{answer_wall_steps}} steps within {{answer_wall_nearby}} of {{answer_wall_step}} the first impact of a link on a wall is off by up to {{answer_impact_first}}, the worst of {{answer_impacts}} until {{answer_wall_until}} by {{answer_impact_error}} and the angles by {{answer_impact_angle}}: ODE sees a contact at the end of a step, and each error goes into the next. Friction is the same in all directions, to {{C14_anisotropy_percent}}."},
+        "At {{answer_wall_steps}} steps within {{answer_wall_nearby}} of {{answer_wall_step}} the first impact of a link on a wall is off by up to {{answer_impact_first}}, the worst of {{answer_impacts}} until {{answer_wall_until}} by {{answer_impact_error}} and the angles by {{answer_impact_angle}}: ODE sees a contact at the end of a step, and each error goes into the next. Friction is the same in all directions, to {{C14_anisotropy_percent}}.", "Impacts and friction"},
     Row{"answer-evidence", "", 0, impact_right,
-        "At {{answer_wall_steps}} steps within {{answer_wall_nearby}} of {{answer_wall_step}} an impact of a link on a wall is right to {{answer_impact_error}}, less than its step, and the angles to {{answer_impact_angle}} until {{answer_wall_until}}."},
+        "At {{answer_wall_steps}} steps within {{answer_wall_nearby}} of {{answer_wall_step}} an impact of a link on a wall is right to {{answer_impact_error}}, less than its step, and the angles to {{answer_impact_angle}} until {{answer_wall_until}}.", "Impacts"},
     Row{"answer-evidence", "", 0, same_single,
-        "Single precision is safe for the double pendulum at {{answer_single_step}}, where its error until {{answer_single_until}} is {{answer_single_ratio}} times that of double precision with the same settings (at {{answer_single_fine_step}} {{answer_single_fine_ratio}} times); not for long thin bodies, which it spins up."},
+        "Single precision is safe for the double pendulum at {{answer_single_step}}, where its error until {{answer_single_until}} is {{answer_single_ratio}} times that of double precision with the same settings (at {{answer_single_fine_step}} {{answer_single_fine_ratio}} times); not for long thin bodies, which it spins up.", "Precision"},
     Row{"answer-evidence", "", 0, safe_single,
-        "Single precision is safe for the double pendulum at {{answer_single_step}}, where its error until {{answer_single_until}} is {{answer_single_ratio}} times that of double precision with the same settings (at {{answer_single_fine_step}} {{answer_single_fine_ratio}} times), and for long thin bodies."},
+        "Single precision is safe for the double pendulum at {{answer_single_step}}, where its error until {{answer_single_until}} is {{answer_single_ratio}} times that of double precision with the same settings (at {{answer_single_fine_step}} {{answer_single_fine_ratio}} times), and for long thin bodies.", "Precision"},
     Row{"answer-evidence", "", 0, unsafe_single,
-        "Single precision is not safe: at {{answer_single_step}} the error of the double pendulum until {{answer_single_until}} is {{answer_single_ratio}} times that of double precision with the same settings."},
+        "Single precision is not safe: at {{answer_single_step}} the error of the double pendulum until {{answer_single_until}} is {{answer_single_ratio}} times that of double precision with the same settings.", "Precision"},
 };
 
 constexpr std::array table{
@@ -104,6 +104,11 @@ constexpr std::array table{
 };
 // clang-format on
 
+constexpr std::string_view of_colours =
+    "In every figure of this page a method keeps its own colour, and methods that are there to be compared with are "
+    "grey. "
+    "Violet and pink are what one figure alone varies, as its legend says.";
+
 bool holds(const Row& row, const report::Findings& findings) {
   return std::ranges::all_of(row.holds_if, [&](const Condition& condition) {
     const report::Finding* const finding = findings.find(condition.finding);
@@ -119,15 +124,8 @@ std::string in_template(std::string_view name) {
   return out;
 }
 
-/// Without its uncertainty where that is below what three digits show.
-std::string plainly(const report::Finding& finding) {
-  report::Finding plain = finding;
-  if (plain.uncertainty < 0.005 * std::fabs(*plain.value)) plain.uncertainty = 0;
-  return report::shown(plain);
-}
-
 std::string percent(const report::Finding& finding) {
-  return plainly({"", "%", 100 * *finding.value, 100 * finding.uncertainty, ""});
+  return report::shown_plainly({"", "%", 100 * *finding.value, 100 * finding.uncertainty, ""});
 }
 
 /// Nothing where its conditions do not hold, or a number that it names was not measured.
@@ -142,7 +140,7 @@ std::optional<std::string> sentence_of(const Row& row, const report::Findings& f
     const auto found =
         std::ranges::find_if(findings.all(), [&](const auto& one) { return in_template(one.first) == name; });
     if (found == findings.all().end() || !found->second.value) return std::nullopt;
-    values.insert({wanted, is_percent ? percent(found->second) : plainly(found->second)});
+    values.insert({wanted, is_percent ? percent(found->second) : report::shown_plainly(found->second)});
   }
   return report::filled(row.section, row.sentence, values, [](std::string_view text) { return std::string(text); });
 }
@@ -166,7 +164,7 @@ std::vector<report::Section> front_of(std::vector<report::Section>& sections, co
   report::Section answer{"answer", "Which settings?", {}};
   for (const Row& row : box) {
     if (const auto sentence = sentence_of(row, findings))
-      answer.blocks.emplace_back(report::Text{*sentence, std::string(row.section)});
+      answer.blocks.emplace_back(report::Text{*sentence, std::string(row.section), std::string(row.lead)});
   }
   const auto measured = std::ranges::find(sections, answer.name, &report::Section::name);
   if (measured != sections.end()) {
@@ -183,6 +181,7 @@ std::vector<report::Section> front_of(std::vector<report::Section>& sections, co
     measured->title = "Which settings: the runs behind the answer";
   }
   report::Section in_short{"in-short", "In short", {}};
+  in_short.blocks.emplace_back(report::Text{std::string(of_colours)});
   for (const Row& row : table) {
     const report::Figure* const figure = figure_of(row, sections);
     const std::optional<std::string> sentence = sentence_of(row, findings);

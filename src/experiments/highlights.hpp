@@ -17,8 +17,9 @@ struct Row {
   std::string_view figure;                      // of that section
   std::size_t panel;                            // of that figure
   std::span<const report::Condition> holds_if;  // the sentence is true if all of them hold; else the page leaves it out
-  std::string_view sentence;  // names findings, with underscores for dots and dashes: {{C12_smooth_gain}},
-                              // {{C14_anisotropy_percent}}
+  std::string_view sentence;   // names findings, with underscores for dots and dashes: {{C12_smooth_gain}},
+                               // {{C14_anisotropy_percent}}
+  std::string_view lead = {};  // of a sentence of the box: what it is about
 };
 
 std::span<const Row> highlights();

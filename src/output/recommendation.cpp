@@ -59,11 +59,15 @@ std::string indented(const std::string& text) {
   return lines;
 }
 
-/// "; 0.00987 at the worst of 8 steps nearby"
+/// "; 0.00987 at the worst of 8 steps nearby", and what share of the budget they keep if not all of it.
 std::string nearby_text(const Recommended& run, std::size_t target) {
   if (run.nearby.tried == 0) return "";
-  return fmt::format("; {} at the worst of {} {}s nearby", three_digits(run.nearby.worst[target]), run.nearby.tried,
-                     run.knob);
+  std::string text = fmt::format("; {} at the worst of {} {}s nearby", three_digits(run.nearby.worst[target]),
+                                 run.nearby.tried, run.knob);
+  if (run.nearby.share < 1) {
+    text += fmt::format(", which keep {:.3g} % of the budget for those not tried", 100 * run.nearby.share);
+  }
+  return text;
 }
 
 std::string answer_text(const Recommendation& answer, const Recommended& run) {
@@ -133,7 +137,7 @@ Json json_of(const Recommendation& answer, const Recommended& run) {
     json["why_not"] = run.why_not;
     return json;
   }
-  json["nearby"] = {{"tried", run.nearby.tried}, {"worst", Json::object()}};
+  json["nearby"] = {{"tried", run.nearby.tried}, {"share", run.nearby.share}, {"worst", Json::object()}};
   for (std::size_t i = 0; i < run.nearby.worst.size(); ++i) {
     json["nearby"]["worst"][std::string(quantity_of(answer.targets[i]).name)] = json_number(run.nearby.worst[i]);
   }

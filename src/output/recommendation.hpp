@@ -37,6 +37,7 @@ struct Change {
 struct Nearby {
   int tried = 0;              // all keep the budget
   std::vector<double> worst;  // size of each target
+  double share = 1;           // of the budget, that they keep
 };
 
 /// A method at the cheapest settings that keep the budget, or at those that come nearest.

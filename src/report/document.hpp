@@ -87,6 +87,7 @@ struct Picture {
 struct Text {
   std::string text;
   std::string evidence{};  // anchor of the section that shows it, or empty
+  std::string lead{};      // a word or two before it that say what it is about, or empty
 };
 
 /// A sentence that stands for a section, beside one small plot of it.

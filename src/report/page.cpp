@@ -92,7 +92,7 @@ class Writer {
   static Items numbers(const Judged& judged) {
     Items items;
     for (const Finding* finding : judged.findings) {
-      if (usable(finding)) items.push_back({{"meaning", finding->meaning}, {"number", shown(*finding)}});
+      if (usable(finding)) items.push_back({{"meaning", finding->meaning}, {"number", shown_plainly(*finding)}});
     }
     return items;
   }

@@ -12,7 +12,7 @@ void pass(Way& way, Value& value) {
 
 template <class Way, bytes::is<Text> Value>
 void pass(Way& way, Value& value) {
-  auto& [text, evidence] = value;
+  auto& [text, evidence, lead] = value;
   each(way, text, evidence);
 }
 

@@ -132,7 +132,7 @@ Values SectionWriter::values(const Section& section, std::string (*csv)(const Ta
   csv_ = csv;
   Items blocks;
   for (const Block& block : section.blocks) {
-    Values values{{"paragraph", ""},   {"shown_in", ""},     {"table", Items{}},
+    Values values{{"lead", ""},        {"paragraph", ""},    {"shown_in", ""},      {"table", Items{}},
                   {"figure", Items{}}, {"picture", Items{}}, {"highlight", Items{}}};
     std::visit([&](const auto& one) { add_block(values, one); }, block);
     blocks.push_back(std::move(values));
@@ -141,6 +141,7 @@ Values SectionWriter::values(const Section& section, std::string (*csv)(const Ta
 }
 
 void SectionWriter::add_block(Values& block, const Text& text) {
+  block.insert_or_assign("lead", text.lead);
   block.insert_or_assign("paragraph", text.text);
   block.insert_or_assign("shown_in", anchors_.has(text.evidence) ? text.evidence : "");
 }

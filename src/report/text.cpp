@@ -55,6 +55,12 @@ std::string shown(const Finding& finding) {
   return text;
 }
 
+std::string shown_plainly(const Finding& finding) {
+  Finding plain = finding;
+  if (plain.uncertainty < 0.005 * std::fabs(*plain.value)) plain.uncertainty = 0;
+  return shown(plain);
+}
+
 std::string escaped(std::string_view text) {
   std::string out;
   out.reserve(text.size());

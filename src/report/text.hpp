@@ -15,6 +15,9 @@ std::string shown(double number);
 /// value.
 std::string shown(const Finding& finding);
 
+/// The same without its uncertainty where that is below what three digits show.
+std::string shown_plainly(const Finding& finding);
+
 /// Text as markup shows it: & < > and quotes.
 std::string escaped(std::string_view text);
 
