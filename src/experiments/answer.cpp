@@ -315,7 +315,6 @@ Content answer(Laboratory& laboratory, Findings& findings) {
                     {"iterations", OdeSettings{}.iterations},
                     {"much_cheaper", much_cheaper_percent},
                     {"nearby", shown(catalogue::farthest_percent)},
-                    {"share", shown(100 * catalogue::share_where_it_hits)},
                     {"rows", shown(1e3 * rows_s)}};
   content.exhibits.emplace_back(std::move(table));
   content.exhibits.emplace_back(std::move(proofs));

@@ -142,9 +142,7 @@ Kept Bench::kept_nearby(const catalogue::Method& method, double step_s, const Od
   if (!kept.keeps || !task_.every_step) return kept;
   kept.keeps = catalogue::kept_nearby(step_s, [&](double near_s) {
     const Kept near = tried(method, near_s, ode);
-    const double share = near.impacts ? catalogue::share_where_it_hits : 1;
-    return catalogue::Near{near.keeps && catalogue::keeps(near.error, near.uncertainty, share * task_.budget),
-                           near.impacts};
+    return catalogue::Near{near.keeps, near.impacts};
   });
   return kept;
 }
