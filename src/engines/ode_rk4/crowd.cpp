@@ -223,7 +223,9 @@ void Flight::settle_crowd(State& state, double h) {
     move_out(motion_, free, way, HUGE_VAL, state);
     depths.clear();
     for (const Contact& contact : contacts_) depths.push_back(contact.depth - opening(contact, free, way));
+    const auto solved = std::ssize(contacts_);
     if (missed_on_way(free, state, depths) && looks < most_looks) continue;
+    contacts_.erase(contacts_.begin() + solved, contacts_.end());  // left to the next step
     State there = free;
     motion_.project(there);
     impact.answer(impulses);

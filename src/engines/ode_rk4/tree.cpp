@@ -75,7 +75,8 @@ class TreeBuilder {
     Tree::Link link{};
     link.is_a = joint.a != parent;
     const std::size_t child = link.is_a ? joint.a : joint.b;
-    if (link_of_body_[child] != Tree::none || !joint.motors.empty() || !read_kind(joint, link.kind)) return false;
+    if (child == world_body || link_of_body_[child] != Tree::none) return false;  // a loop
+    if (!joint.motors.empty() || !read_kind(joint, link.kind)) return false;
     link.joint = j;
     link.parent_body = parent;
     link.parent = parent == world_body ? Tree::none : link_of_body_[parent];
