@@ -43,7 +43,8 @@ std::string shown(const toml::node& node) { return one_line(text_of(node), 60); 
 
 const Override* Draft::setting_of(std::string_view path, Blame blame) const {
   for (auto setting = overrides.rbegin(); setting != overrides.rend(); ++setting) {
-    if (is_or_holds(setting->key, path) || is_number_in(path, setting->key)) return &*setting;
+    if (is_or_holds(setting->key, path)) return &*setting;
+    if (blame != Blame::length && is_number_in(path, setting->key)) return &*setting;
     if (blame == Blame::parts && is_or_holds(path, setting->key)) return &*setting;
   }
   return nullptr;

@@ -17,10 +17,10 @@ struct Draft {
   Scenario scenario;  // `file` is there from the start
   Description said = {};
 
-  enum class Blame { whole, parts };
+  enum class Blame { length, whole, parts };
 
-  /// The last setting that gave the value at the path or one number of it, or with Blame::parts something inside it;
-  /// null: the file did.
+  /// The last setting that gave the value at the path or one number of it (with Blame::length not one number, which
+  /// makes no list longer), or with Blame::parts something inside it; null: the file did.
   const Override* setting_of(std::string_view path, Blame blame = Blame::whole) const;
 
   /// `where` is the path of the value at fault, `value` its text or empty when there is none.

@@ -31,7 +31,8 @@ void settle_chain(Draft& draft) {
   }
   for (const auto& [name, column] : {std::pair{"q0", &draft.said.q0}, std::pair{"qd0", &draft.said.qd0}}) {
     if (column->size() > n) {
-      draft.fail(name, shown(*draft.tree.get(name)), fmt::format("must be a list of at most n = {} numbers", n));
+      draft.fail(name, shown(*draft.tree.get(name)), fmt::format("must be a list of at most n = {} numbers", n),
+                 Draft::Blame::length);
     }
     column->resize(n, 0.0);
   }
@@ -69,7 +70,7 @@ void check_counts(const Draft& draft) {
             ? fmt::format("must be a list of at most n = {} numbers for {}; the rest are 0", count, problem.name)
             : fmt::format("must be a list of {} number{} for {}", count, count == 1 ? "" : "s", problem.name);
     if (!draft.tree.contains(name)) draft.fail(name, "", "is missing; it " + rule);
-    if (column->size() != count) draft.fail(name, shown(*draft.tree.get(name)), rule);
+    if (column->size() != count) draft.fail(name, shown(*draft.tree.get(name)), rule, Draft::Blame::length);
   }
 }
 

@@ -89,7 +89,7 @@ KeyValue value_of(const Draft& draft, const KeyRow& row, const toml::node& node,
   } else {
     const toml::array* list = node.as_array();
     if (list == nullptr || (row.count != 0 && list->size() != row.count)) {
-      draft.fail(path, shown(node), rule_of(row, draft.names));
+      draft.fail(path, shown(node), rule_of(row, draft.names), Draft::Blame::length);
     }
     for (std::size_t i = 0; i < list->size(); ++i) {
       const std::string element = fmt::format("{}.{}", path, i);
