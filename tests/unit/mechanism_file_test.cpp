@@ -4,13 +4,15 @@
 #include <numbers>
 #include <string>
 
-#include "model/read_scenario.hpp"
-#include "odeval/error.hpp"
 #include "tests/check.hpp"
+#include "tests/scenario_text.hpp"
 
 namespace {
 
 using namespace odeval;
+using test::read;
+using test::refused;
+using test::replaced;
 
 // A turntable, a forearm on a hinge that turns with it, a hand on a universal joint, and a ball that flies.
 const std::string arm = R"(problem = "mechanism"
@@ -57,16 +59,6 @@ anchor = [1, 0, 0]
 axis = [0, 2, 0]
 axis2 = [0, 1e-7, 3]
 )";
-
-std::string replaced(std::string text, const std::string& what, const std::string& with) {
-  const std::size_t at = text.find(what);
-  CHECK(at != std::string::npos);
-  return at == std::string::npos ? text : text.replace(at, what.size(), with);
-}
-
-Scenario read(const std::string& text, const std::vector<Override>& overrides = {}) {
-  return ScenarioFile("x.toml", text).read(overrides, {});
-}
 
 void what_becomes_of_it() {
   const Mechanism mechanism = read(arm).mechanism;
@@ -124,9 +116,6 @@ void summaries_tell_all() {
   CHECK(!has("joints.1.axis2"));
 }
 
-void refused(const std::string& text, const std::string& message) {
-  CHECK_THROWS(read(text), UserError, "x.toml: " + message);
-}
 void refuses(const std::string& what, const std::string& with, const std::string& message) {
   refused(replaced(arm, what, with), message);
 }

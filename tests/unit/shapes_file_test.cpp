@@ -3,27 +3,15 @@
 #include <cmath>
 #include <string>
 
-#include "model/read_scenario.hpp"
-#include "odeval/error.hpp"
 #include "tests/check.hpp"
+#include "tests/scenario_text.hpp"
 
 namespace {
 
 using namespace odeval;
-
-std::string replaced(std::string text, const std::string& what, const std::string& with) {
-  const std::size_t at = text.find(what);
-  CHECK(at != std::string::npos);
-  return at == std::string::npos ? text : text.replace(at, what.size(), with);
-}
-
-Scenario read(const std::string& text, const std::vector<Override>& overrides = {}) {
-  return ScenarioFile("x.toml", text).read(overrides, {});
-}
-
-void refused(const std::string& text, const std::string& message) {
-  CHECK_THROWS(read(text), UserError, "x.toml: " + message);
-}
+using test::read;
+using test::refused;
+using test::replaced;
 
 /// The moments of a solid of revolution about z, as discs: the middle of each in the place of its thickness, which of
 /// 10000 leaves less than 1e-7.
