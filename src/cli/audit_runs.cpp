@@ -472,11 +472,14 @@ int run_audit(const AuditOptions& options) {
     return 128 + signal;
   }
   make_readable(answer);
-  audit.write(answer);
   if (options.json) {
-    std::cout << audit_json(answer);
+    std::cout << audit_json(answer) << std::flush;
   } else if (!options.quiet) {
-    std::cout << audit_text(answer) << "\nwrote " << (fs::path(options.out) / "audit" / "index.html").string() << "\n";
+    std::cout << audit_text(answer) << std::flush;  // its page, with figures, takes a moment
+  }
+  audit.write(answer);
+  if (!options.json && !options.quiet) {
+    std::cout << "\nwrote " << (fs::path(options.out) / "audit" / "index.html").string() << "\n";
   }
   return answer.reason.empty() && !answer.diverged ? 0 : 1;
 }

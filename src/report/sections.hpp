@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "report/document.hpp"
+#include "report/gnuplot.hpp"
 #include "report/plot.hpp"
 #include "report/template.hpp"
 
@@ -63,6 +64,7 @@ class SectionWriter {
   std::string (*csv_)(const Table&) = nullptr;
   std::set<std::string> tables_;
   std::vector<std::string> missing_;
+  OneGnuplot figures_;  // draws all of them
 };
 
 }  // namespace odeval::report

@@ -13,6 +13,7 @@
 #include "report/gnuplot.hpp"
 #include "report/page.hpp"
 #include "report/plot.hpp"
+#include "report/svg.hpp"
 #include "report/text.hpp"
 #include "tests/check.hpp"
 
@@ -341,9 +342,27 @@ void gnuplot_fails_in_one_line() {
     run_gnuplot("plot nonsense nonsense\n");
     CHECK(!"gnuplot takes nonsense");
   } catch (const MachineError& error) {
-    CHECK(holds_text(error.what(), "gnuplot: gave up with status"));
+    CHECK(holds_text(error.what(), "gnuplot: gave up: "));
     CHECK(!holds_text(error.what(), "\n"));
   }
+}
+
+// One gnuplot for all draws what one each would, also after one that it could not draw.
+void one_gnuplot_draws_the_same() {
+  const auto dots = [] {
+    return page_svg(run_gnuplot("set terminal svg size 400,300\nset logscale y\nplot '-' with points pt 3\n1 10\n"
+                                "2 100\ne\n"),
+                    "dots", "");
+  };
+  const auto line = [] { return page_svg(run_gnuplot("set terminal svg size 300,200\nplot x title 'x'\n"), "x", ""); };
+  const std::string dots_alone = dots();
+  const std::string line_alone = line();
+  const OneGnuplot one;
+  CHECK(dots() == dots_alone && line() == line_alone && dots() == dots_alone);
+  CHECK_THROWS(run_gnuplot("set multiplot layout 2,1\nplot nonsense\n"), MachineError, "gnuplot: gave up: ");
+  CHECK(line() == line_alone);
+  CHECK_THROWS(run_gnuplot("exit status 3\n"), MachineError, "gnuplot: ended with status 3");
+  CHECK(line() == line_alone);
 }
 
 // The path of a curve starts anew after each gap.
@@ -390,6 +409,7 @@ int main(int argc, char** argv) {
   the_same_name_twice_is_a_mistake();
   what_is_not_finite_is_a_gap(page.html);
   gnuplot_fails_in_one_line();
+  one_gnuplot_draws_the_same();
   without_gnuplot_the_page_says_so();
   CHECK(page_of(every_block()).html == page.html);
   return odeval::test::verdict();
