@@ -121,6 +121,8 @@ void check_random_problems(unsigned count) {
   // on 20000 of them.
   std::printf("%u random problems: orders of contacts differ by %.2g\n", count, worst);
   CHECK_BETWEEN(worst, 0, 1e-10);
+  // Opposite to 2e-5 rad: struck one by one they closed yet by 1.6e-5 once.
+  for (const ImpactOrder order : {ImpactOrder::together, ImpactOrder::in_turn}) after(random_problem(11592), order);
 }
 
 /// Equal balls in a row, of unit mass; contact i between balls i and i + 1.
@@ -361,9 +363,10 @@ int main(int argc, char** argv) {
   // Elastic ones that lost energy once, where they rest or crowd.
   for (const unsigned seed : {4563U, 5106U, 6352U, 9723U, 10233U, 13975U}) check_cluster(seed);
   for (const unsigned seed : {2470U, 2721U}) check_cluster(seed);  // speeds that joints hold were left over once
-  check_cluster(5077);  // joints and footholds that nearly said the same once pulled each other apart
-  check_cluster(2781);  // impulses that cancel each other once grew from step to step, and energy by their rounding
-  check_cluster(5593);  // energy once rose where it stood
+  check_cluster(5077);   // joints and footholds that nearly said the same once pulled each other apart
+  check_cluster(2781);   // impulses that cancel each other once grew from step to step, and energy by their rounding
+  check_cluster(5593);   // energy once rose where it stood
+  check_cluster(19813);  // 1.2e6 N s on both sides of hinges once missed the momentum by 3e-10 N s, their rounding
   CHECK_EQUAL(check_cluster(575).lossy, 0);  // elastic, on joints: lost 4e-12 once, where it rested on what turned
   for (const unsigned seed : {413U, 866U, 1867U}) check_cluster(seed);  // took a minute once: what can not give way
   check_clusters(clusters, first);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "engines/ode_rk4/flight.hpp"
+#include "engines/ode_rk4/islands.hpp"
 
 namespace odeval::engine_rk4 {
 namespace {
@@ -95,34 +96,13 @@ Flight::Group Flight::group_of(std::size_t first, const State& state) const {
 
 /// Bodies that nothing holds move on as one, with the momenta that they have; others stand.
 void Flight::move_rigidly(const Group& group, State& state) const {
-  double mass = 0;
-  Vector3d centre = Vector3d::Zero(), momentum = centre, angular = centre;
-  Matrix3d inertia = Matrix3d::Zero();
-  const auto each = [&](const auto& add) {
-    for (std::size_t i = 0; i < state.size(); ++i) {
-      if (group.bodies[i] != 0) add(motion_.mechanism().bodies[i], state[i]);
-    }
-  };
-  if (!group.held) {
-    each([&](const Body& body, const BodyNow& now) {
-      mass += 1 / body.inverse_mass;
-      centre += now.pose.position / body.inverse_mass;
-      momentum += now.twist.linear / body.inverse_mass;
-    });
-    centre /= mass;
-    each([&](const Body& body, const BodyNow& now) {
-      const Vector3d arm = now.pose.position - centre;
-      const Matrix3d turn = turn_of(now.pose).toRotationMatrix();
-      const Matrix3d own = turn * body.inertia * turn.transpose();
-      inertia += own + (arm.squaredNorm() * Matrix3d::Identity() - arm * arm.transpose()) / body.inverse_mass;
-      angular += own * now.twist.angular + arm.cross(now.twist.linear) / body.inverse_mass;
-    });
+  std::vector<std::size_t> bodies;
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    if (group.bodies[i] != 0) bodies.push_back(i);
   }
-  const Vector3d spin = group.held ? Vector3d(Vector3d::Zero()) : Vector3d(inertia.ldlt().solve(angular));
-  each([&](const Body&, BodyNow& now) {
-    now.twist = {Vector3d::Zero(), spin};
-    if (!group.held) now.twist.linear = momentum / mass + spin.cross(now.pose.position - centre);
-  });
+  const Twist still{Vector3d::Zero(), Vector3d::Zero()};
+  const RigidMotion whole = group.held ? RigidMotion{} : shared_motion(motion_.mechanism(), state, bodies);
+  for (const std::size_t i : bodies) state[i].twist = group.held ? still : whole.at(state[i].pose.position);
 }
 
 /// Groups that touch something pay by their motion for what more energy they have than before, and get back what they

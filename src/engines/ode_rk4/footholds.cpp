@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <set>
 
 #include "engines/ode_rk4/friction.hpp"
+#include "engines/ode_rk4/islands.hpp"
 
 namespace odeval::engine_rk4 {
 namespace {
@@ -163,31 +163,6 @@ std::optional<Joint> joint_of(const Mechanism& mechanism, const Group& group, co
 }
 
 bool is_face(const Joint& joint) { return joint.squares.size() == 3; }
-
-/// Bodies that joints and contacts connect.
-class Islands {
- public:
-  Islands(const Mechanism& mechanism, std::span<const Contact> contacts)
-      : mechanism_(mechanism), up_(mechanism.bodies.size()) {
-    std::iota(up_.begin(), up_.end(), std::size_t{0});
-    for (const Joint& joint : mechanism.joints) join(joint.a, joint.b);
-    for (const Contact& contact : contacts) join(contact.a, contact.b);
-  }
-  std::size_t of(const Contact& contact) { return top(moves(contact.a) ? contact.a : contact.b); }
-
- private:
-  bool moves(std::size_t body) const { return body != world_body && mechanism_.bodies[body].inverse_mass > 0; }
-  std::size_t top(std::size_t body) {
-    while (up_[body] != body) body = up_[body] = up_[up_[body]];
-    return body;
-  }
-  void join(std::size_t a, std::size_t b) {
-    if (moves(a) && moves(b)) up_[top(a)] = top(b);
-  }
-
-  const Mechanism& mechanism_;
-  std::vector<std::size_t> up_;
-};
 
 bool sticks(const Mechanism& mechanism, const Contact& contact, const State& state) {
   const auto sleeps = [&](std::size_t body) { return body != world_body && mechanism.bodies[body].asleep; };

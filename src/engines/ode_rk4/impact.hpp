@@ -107,6 +107,7 @@ class Impact {
  private:
   double free_response(const Contact& contact) const;
   Eigen::VectorXd speeds(const State& state) const;
+  void keep_momenta(const State& state) const;
   void strike_by(const Eigen::VectorXd& impulses, State& state) const;
   void add_rubbing(std::size_t contact, double coefficient, const Vector3d& one, const Vector3d& other, bool turns);
   void find_response(std::size_t bodies);

@@ -19,8 +19,9 @@ using Indices = std::vector<Eigen::Index>;
 constexpr double rounding = 1e-12;
 // Of the fastest: contacts whose speeds differ by less close equally fast.
 constexpr double tie = 1e-9;
-// Change of a contact's speed by its own impulse, of the fastest speed: rounding of it is 1e-12 then.
-constexpr double largest = 1e4;
+// Change of a contact's speed by its own impulse, of the fastest speed: rounding of it is 1e-12 then; or 1e-11, which
+// no impulse adds to energy that takes far more than that away.
+constexpr double largest = 1e4, largest_of_lossy = 1e5, lossy = 1e-9;
 // Elastic rows end after as many rounds as they have contacts, light balls between heavy ones after pi times the root
 // of the ratio of masses; lossy ones that never end are as good as at rest by then.
 constexpr int most_rounds = 1000;
@@ -34,11 +35,13 @@ std::size_t index(Eigen::Index i) { return static_cast<std::size_t>(i); }
 /// Contacts that say nearly the same, or nearly the opposite, may leave a solution of large impulses that cancel each
 /// other to rounding only.
 bool sound(const MatrixXd& a, const VectorXd& now, const VectorXd& p) {
-  if (p.cwiseProduct(a.diagonal()).maxCoeff() > largest * now.cwiseAbs().maxCoeff()) return false;
+  const double own_change = p.cwiseProduct(a.diagonal()).maxCoeff(), fastest = now.cwiseAbs().maxCoeff();
+  if (own_change > largest_of_lossy * fastest) return false;
   const VectorXd change = a * p;
   const auto own = a.diagonal().array();                                               // 0: what joints lock
   const double energy = (own > 0).select(now.array().square() / own, 0.0).maxCoeff();  // at least, twice
-  return p.dot(2 * now + change) <= rounding / 10 * energy;
+  const double most = own_change > largest * fastest ? -lossy : rounding / 10;
+  return p.dot(2 * now + change) <= most * energy;
 }
 
 /// Contacts that close at these speeds, which change by what they are given.
