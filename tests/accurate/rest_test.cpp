@@ -244,6 +244,28 @@ void check_arm_slides() {
   CHECK_NEAR(slid, speed * t + pull / 2 * t * t, 1e-9);
 }
 
+/// What the program presses into what it rests on comes out of it in the next step, into no crowd; by as much as it was
+/// pressed in it may gain energy, and no more.
+void check_pressed_in(int links, double friction, double by) {
+  constexpr double h = 1e-3;
+  World world;
+  arm(world, links, links > 1);
+  AccurateStep step(world.id, world.space, rubbing(friction));
+  for (double t = 0; t < 1.5; t += h) step(h);
+  const dBodyID last = world.bodies.back();
+  const std::size_t crowded = step.crowded_steps();
+  const Vector3d at = vec(dBodyGetPosition(last));
+  dBodySetPosition(last, at[0], at[1], at[2] - by);
+  const double before = world.energy();
+  for (int n = 0; n < 3; ++n) step(h);
+  const double z = dBodyGetPosition(last)[2];
+  std::printf("pressed in by %g m, %d links, friction %g: %.2g m off, %zu steps crowded\n", by, links, friction,
+              z - at[2], step.crowded_steps() - crowded);
+  CHECK_NEAR(z, at[2], 2e-9);  // as deep as what rests, and as much again
+  CHECK_EQUAL(step.crowded_steps(), crowded);
+  CHECK_BETWEEN(world.energy() - before, -HUGE_VAL, links * g * by * (1 + 1e-3));
+}
+
 }  // namespace
 
 int main() {
@@ -261,5 +283,10 @@ int main() {
     }
   }
   check_arm_slides();
+  for (const int links : {1, 2, 3}) {
+    for (const double friction : {0.0, 0.5}) {
+      for (const double by : {1e-8, 1e-7, 1e-6}) check_pressed_in(links, friction, by);
+    }
+  }
   return odeval::test::verdict();
 }

@@ -19,9 +19,10 @@ constexpr int most_changes = 20;           // of motors in one step; after that 
 constexpr double time_rounding = 1e-15;    // of what is left of the step
 constexpr double beyond_rounding = 1e-14;  // of a motor's limit or velocity
 constexpr double almost = 0.95;
-constexpr int most_splits = 4;   // of a step where something comes to stick
-constexpr double moment = 1e-4;  // of a step, at which what sticks comes to slip
-constexpr int most_finds = 3;    // of footholds in a step: what comes to rest more often stands nowhere
+constexpr int most_splits = 4;           // of a step where something comes to stick
+constexpr double moment = 1e-4;          // of a step, at which what sticks comes to slip
+constexpr double put_elsewhere = 1e-12;  // of a quaternion: ODE makes it a unit one, to rounding
+constexpr int most_finds = 3;            // of footholds in a step: what comes to rest more often stands nowhere
 
 }  // namespace
 
@@ -42,12 +43,14 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
   here_ = state;
   try {
     if (fresh) begin();
+    if (!fresh && collider_.works(motion_.mechanism()) && moved_since(here_)) allow_lift();
     const double lift = taken_;
     fly(h);
     const bool keeps = collider_.works(motion_.mechanism()) && conservative();
     if (keeps && !keep_energy(state, before.resting, lift) && !fresh && crowded == 0 && touches_.empty()) {
       // What rested pushed bodies up that have not the motion to pay for that: they fall freely instead.
       go_back(before);
+      taken_ = lift;
       here_ = state;
       crowd_on();
       fly(h);
@@ -65,17 +68,31 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
   if (crowded_ > 0 && !renewed_) --crowded_;
   quiet_ = touches_.empty() && crowded_ == 0 ? std::min(quiet_ + 1, calm_steps) : 0;
   std::swap(state, there_);
+  if (collider_.works(motion_.mechanism())) left_ = state;
 }
 
-/// Joints are closed, and what overlaps may be lifted out of it: no farther than by all overlaps together.
+/// Joints are closed, and what overlaps may be lifted out of it.
 void Flight::begin() {
   settle(here_, options_.start_gap);
-  if (!collider_.works(motion_.mechanism())) return;
+  if (collider_.works(motion_.mechanism())) allow_lift();
+}
+
+/// Has the program put a body elsewhere since the last step?
+bool Flight::moved_since(const State& state) const {
+  for (std::size_t i = 0; i < left_.size(); ++i) {
+    const Pose &now = state[i].pose, &then = left_[i].pose;
+    if (now.position != then.position || (now.turn - then.turn).norm() > put_elsewhere) return true;
+  }
+  return false;
+}
+
+/// Of what overlaps, no farther than by all overlaps together.
+void Flight::allow_lift() {
   look(here_);
   double overlaps = 0, forces = 0;
   for (const Contact& contact : contacts_) overlaps += std::max(0.0, contact.depth - rest_depth);
   for (const Wrench& wrench : forces_->now) forces += wrench.force.norm();
-  taken_ = forces * overlaps;
+  taken_ = std::max(taken_, forces * overlaps);
 }
 
 /// From `here_` to the end of the step, in `there_`: touch by touch, and slip by slip.

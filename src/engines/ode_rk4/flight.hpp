@@ -43,6 +43,7 @@ class Flight {
   void start_anew() {
     resting_.clear();
     gave_.clear();
+    left_.clear();
     footholds_.reset();
     crowded_ = 0;
     taken_ = 0;
@@ -63,6 +64,8 @@ class Flight {
   }
 
   void begin();
+  bool moved_since(const State& state) const;
+  void allow_lift();
   void fly(double h);
   /// Of what came to stick in a step.
   struct Slowing {
@@ -154,6 +157,7 @@ class Flight {
   Forces* forces_ = nullptr;
   State here_;                     // the start of what is left of the step
   State there_, trial_;            // and where it leads
+  State left_;                     // the end of the last step
   std::vector<Contact> contacts_;  // of the state last looked at
   std::vector<Contact> resting_;   // at the end of the last step, and what came to rest since
   std::vector<Contact> pushing_;   // of those, since `here_`, as they were there
