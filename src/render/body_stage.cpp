@@ -24,7 +24,10 @@ GroundPlane ground_below(const HalfSpace& plane, const Vec3& point) {
 }  // namespace
 
 BodyStage::BodyStage(const Scenario& scenario, std::span<const Pose> shown)
-    : bodies_(scenario.mechanism.bodies), frame_(scenario.frame()), free_(scenario.mechanism.obstacles.empty()) {
+    : bodies_(scenario.mechanism.bodies),
+      joints_(scenario.mechanism),
+      frame_(scenario.frame()),
+      free_(scenario.mechanism.obstacles.empty()) {
   for (const Joint& joint : scenario.mechanism.joints) {
     if (joint.second) continue;
     pin_ = anchor_m(joint.kind);
@@ -143,9 +146,9 @@ std::vector<Layer> BodyStage::layers(const Camera& camera, const Pose& pose, con
   for (std::size_t i = 0; i < seen.size(); ++i) {
     if (drawable(pose[i])) add_body(solids, brush, seen, i, edge_px);
   }
-  if (pin_) {  // so long that it stands out of a body around it
-    brush.cylinder(solids, *pin_, frame_.axis(), 0.08 * radius(0), 1.2 * radius(0), joint_colour, edge_px);
-  }
+  std::vector<bool> shown(pose.size());
+  for (std::size_t i = 0; i < shown.size(); ++i) shown[i] = drawable(pose[i]);
+  if (!shown.empty()) joints_.add(solids, brush, seen, shown, reach_m_, edge_px);
   if (outline != nullptr) {
     const Pose second = moved(*outline, by);
     add_outline(layers, edge_px,

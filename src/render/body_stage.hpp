@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "render/brush.hpp"
+#include "render/joint_marks.hpp"
 #include "render/scenery.hpp"
 #include "render/stage.hpp"
 
@@ -27,11 +28,12 @@ class BodyStage final : public Stage {
   void add_wires(Layer& layer, const Brush& brush, const Pose& pose, const Colour& colour, double px) const;
 
   std::vector<Body> bodies_;
+  JointMarks joints_;
   PlanarFrame frame_;  // its hinge is the middle of what is shown
   std::vector<Vec3> extent_;
   double reach_m_ = 0;
   bool free_;                // nothing holds them in the world
-  std::optional<Vec3> pin_;  // of a joint to the world
+  std::optional<Vec3> pin_;  // of a joint to the world, which the camera holds
   std::optional<GroundPlane> ground_;
 };
 

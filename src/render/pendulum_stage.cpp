@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "render/joint_marks.hpp"
 #include "render/scenery.hpp"
 
 namespace odeval::render {
@@ -123,7 +124,9 @@ void PendulumStage::add_hinges(Layer& layer, const Brush& brush, const Pose& pos
     const Vec3 at = i == 0 ? frame_.hinge_m : near;
     // The first hinge holds on to the world; the others stand out so far that no edge is lifted over them.
     const double out = i == 0 ? 1.6 * radius : radius;
-    brush.cylinder(layer, at, pose[i].hinge, radius, 0.5 * deepest + out, joint_colour, edge_px);
+    const double half = 0.5 * deepest + out;
+    brush.cylinder(layer, at, pose[i].hinge, radius, half, joint_colour, edge_px);
+    add_centre_line(layer, brush, at, pose[i].hinge, {-half, half}, radius, edge_px);
   }
 }
 

@@ -132,8 +132,8 @@ Vec3 widest(const std::vector<Solid>& solids, const Vec3& up, std::span<const Po
 }  // namespace
 
 SolidStage::SolidStage(std::vector<Solid> solids, const std::vector<Ground>& grounds, const Vec3& up,
-                       std::span<const Pose> shown)
-    : solids_(std::move(solids)) {
+                       std::span<const Pose> shown, JointMarks joints)
+    : solids_(std::move(solids)), joints_(std::move(joints)) {
   frame_.up = up;
   frame_.horizontal = widest(solids_, up, shown);
   Vec3 low{far_m, far_m, far_m};
@@ -204,6 +204,9 @@ std::vector<Layer> SolidStage::layers(const Camera& camera, const Pose& pose, co
     if (!seen(solid, pose)) continue;
     add(drawn, brush, solid, in_world(solid, pose), solid.body ? colour_in_turn(*solid.body) : standing, edge_px);
   }
+  std::vector<bool> shown(pose.size());
+  for (std::size_t i = 0; i < shown.size(); ++i) shown[i] = drawable(pose[i]);
+  if (!shown.empty()) joints_.add(drawn, brush, pose, shown, reach_m_, edge_px);
   if (outline != nullptr) {
     add_outline(layers, edge_px, [&](Layer& wires, const Colour& colour, double px) {
       for (const Solid& solid : solids_) {

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "render/brush.hpp"
+#include "render/joint_marks.hpp"
 #include "render/scenery.hpp"
 #include "render/stage.hpp"
 
@@ -26,8 +27,8 @@ class SolidStage final : public Stage {
  public:
   /// `up` is a unit vector. The camera holds the bodies of `shown`; what stands in the world is seen where it is no
   /// larger than the scene.
-  SolidStage(std::vector<Solid> solids, const std::vector<Ground>& grounds, const Vec3& up,
-             std::span<const Pose> shown);
+  SolidStage(std::vector<Solid> solids, const std::vector<Ground>& grounds, const Vec3& up, std::span<const Pose> shown,
+             JointMarks joints = {});
 
   const PlanarFrame& frame() const override { return frame_; }
   std::vector<Vec3> extent() const override;
@@ -38,6 +39,7 @@ class SolidStage final : public Stage {
   bool seen(const Solid& solid, const Pose& pose) const;
 
   std::vector<Solid> solids_;
+  JointMarks joints_;
   PlanarFrame frame_ = space_frame;  // its hinge is the middle of what is shown
   double reach_m_ = 0;
   std::optional<GroundPlane> ground_;

@@ -40,7 +40,7 @@ std::unique_ptr<Stage> make_solid_stage(const Mechanism& mechanism, std::span<co
       grounds.push_back({plane->normal, plane->offset_m});
     }
   }
-  return std::make_unique<SolidStage>(std::move(solids), grounds, Vec3{0, 0, 1}, shown);
+  return std::make_unique<SolidStage>(std::move(solids), grounds, Vec3{0, 0, 1}, shown, JointMarks(mechanism));
 }
 
 }  // namespace

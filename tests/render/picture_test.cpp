@@ -1,8 +1,5 @@
 // Pictures show links where mathematics says, the right way round, the same every time.
-#include <png.h>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <string_view>
@@ -15,81 +12,22 @@
 #include "render/png.hpp"
 #include "render/studio.hpp"
 #include "tests/check.hpp"
+#include "tests/render/links_in_pictures.hpp"
 #include "tests/scenarios.hpp"
 
 using namespace odeval;
 using namespace odeval::render;
+using odeval::test::check_links;
+using odeval::test::corner;
+using odeval::test::front;
+using odeval::test::has_link_colour;
+using odeval::test::on_face;
+using odeval::test::pixels_of_link;
+using odeval::test::Segment;
+using odeval::test::segments;
+using odeval::test::shot_of;
 
 namespace {
-
-const View corner{30, 14, {}};
-const View front{0, 0, {}};
-
-/// Where a link is, from the angles of a trace: written again, so that it does not agree with pose.cpp by being it.
-struct Segment {
-  Vec3 near;
-  Vec3 far;
-  Vec3 across;
-};
-
-std::vector<Segment> segments(const Scenario& scenario, const Trace& trace, std::size_t row) {
-  const PlanarFrame& frame = scenario.frame();
-  std::vector<Segment> all;
-  Vec3 near = frame.hinge_m;
-  double angle = 0;
-  for (std::size_t i = 0; i < scenario.planar->links.size(); ++i) {
-    angle += trace.q[i][row];
-    const double reach = scenario.planar->links[i].length_m;
-    const Vec3 far = near + (reach * std::cos(angle)) * frame.horizontal + (reach * std::sin(angle)) * frame.up;
-    all.push_back({near, far, -std::sin(angle) * frame.horizontal + std::cos(angle) * frame.up});
-    near = far;
-  }
-  return all;
-}
-
-/// A point on the face of a link that looks along the axis; `s` from 0 at the near hinge to 1, `w` in widths aside.
-Vec3 on_face(const Scenario& scenario, const Segment& segment, std::size_t link, double s, double w) {
-  const Link& size = scenario.planar->links[link];
-  return segment.near + s * (segment.far - segment.near) + (w * size.width_m) * segment.across +
-         (0.48 * size.depth_m) * scenario.frame().axis();
-}
-
-/// Blue, orange: whatever the light, a link keeps the order and the distance of its colour's parts.
-bool has_link_colour(const Image& image, const Pixel& at, std::size_t link) {
-  const int x = static_cast<int>(at.x);
-  const int y = static_cast<int>(at.y);
-  if (x < 0 || y < 0 || x >= image.width() || y >= image.height()) return false;
-  const Colour seen = image.at(x, y);
-  return link == 0 ? seen.b > seen.r + 60 && seen.b > seen.g : seen.r > seen.g && seen.g > seen.b + 30;
-}
-
-long pixels_of_link(const Image& image, std::size_t link) {
-  long count = 0;
-  for (int y = 0; y < image.height(); ++y) {
-    for (int x = 0; x < image.width(); ++x) count += has_link_colour(image, {x + 0.5, y + 0.5, 1}, link);
-  }
-  return count;
-}
-
-Shot shot_of(const Scenario& scenario, const Trace& trace, std::size_t row) {
-  return {pose_at(scenario, trace, row), {}, "label"};
-}
-
-/// The links' axes in the picture, and what lies beside them.
-void check_links(const Scenario& scenario, const Trace& trace, std::size_t row, const Image& scene,
-                 const Camera& camera) {
-  const std::vector<Segment> all = segments(scenario, trace, row);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const auto pixel = [&](double s, double w) { return camera.project(on_face(scenario, all[i], i, s, w)); };
-    for (const double s : {0.15, 0.3, 0.5, 0.7, 0.85}) CHECK(has_link_colour(scene, pixel(s, 0), i));
-    // The end points: 3 % before the far end is link unless a hinge lies there, 8 % behind it is none.
-    if (i + 1 == all.size()) {
-      CHECK(has_link_colour(scene, pixel(0.97, 0), i));
-      CHECK(!has_link_colour(scene, pixel(1.08, 0), i));
-    }
-    for (const double w : {-1.8, 1.8}) CHECK(!has_link_colour(scene, pixel(0.5, w), i));
-  }
-}
 
 void links_where_mathematics_says() {
   for (const char* name : {"double_pendulum", "wall_pendulum", "single_pendulum"}) {
@@ -356,85 +294,6 @@ void poses_fill_the_picture() {
   CHECK_NEAR(longest, bar * metre, 2);
 }
 
-/// Chunks of a PNG file, in order.
-std::vector<std::pair<std::string, std::string>> chunks(const std::string& file) {
-  std::vector<std::pair<std::string, std::string>> all;
-  for (std::size_t at = 8; at + 12 <= file.size();) {
-    std::size_t length = 0;
-    for (std::size_t k = 0; k < 4; ++k) length = length << 8 | static_cast<unsigned char>(file[at + k]);
-    all.emplace_back(file.substr(at + 4, 4), file.substr(at + 8, length));
-    at += 12 + length;
-  }
-  return all;
-}
-
-std::vector<std::uint8_t> decoded(const std::string& file, int width, int height) {
-  png_image header{};
-  header.version = PNG_IMAGE_VERSION;
-  CHECK(png_image_begin_read_from_memory(&header, file.data(), file.size()) != 0);
-  CHECK_EQUAL(static_cast<int>(header.width), width);
-  CHECK_EQUAL(static_cast<int>(header.height), height);
-  header.format = PNG_FORMAT_RGB;
-  std::vector<std::uint8_t> bytes(PNG_IMAGE_SIZE(header));
-  CHECK(png_image_finish_read(&header, nullptr, bytes.data(), 0, nullptr) != 0);
-  return bytes;
-}
-
-void files_hold_picture_and_texts() {
-  Image image(31, 17);
-  for (int y = 0; y < 17; ++y) {
-    for (int x = 0; x < 31; ++x)
-      image.mix(x, y, {static_cast<std::uint8_t>(8 * x), static_cast<std::uint8_t>(y), 7}, 255);
-  }
-  const std::string file = png(image, {{"scenario", "chain"}, {"method", "a-b"}, {"t", "0.500"}, {"note", "\u00e9"}});
-  const std::vector<std::uint8_t> bytes = decoded(file, 31, 17);
-  CHECK(std::equal(bytes.begin(), bytes.end(), image.pixel(0, 0)));
-  std::vector<std::string> texts;
-  for (const auto& [name, data] : chunks(file)) {
-    if (name == "tEXt") texts.push_back(data);
-    CHECK(name != "tIME");  // same bytes whatever the clock says
-  }
-  using namespace std::string_literals;
-  CHECK(texts == std::vector({"scenario\0chain"s, "method\0a-b"s, "t\0000.500"s}));
-  CHECK(file.find("iTXt") != std::string::npos);
-}
-
-std::uint32_t number(const std::string& data, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t k = 0; k < 4; ++k) value = value << 8 | static_cast<unsigned char>(data[at + k]);
-  return value;
-}
-
-void film_is_a_whole_apng() {
-  Film film(25, {{"t", "0..1"}});
-  Image frame(40, 30);
-  const Image first = frame;
-  film.add(frame);
-  frame.mix(10, 20, {0, 0, 0}, 255);
-  frame.mix(13, 22, {0, 0, 0}, 255);
-  film.add(frame);
-  film.add(frame);
-  const std::string file = film.finish();
-  const std::vector<std::uint8_t> bytes = decoded(file, 40, 30);  // libpng checks every CRC on the way
-  CHECK(std::equal(bytes.begin(), bytes.end(), first.pixel(0, 0)));
-
-  std::string order;
-  std::uint32_t sequence = 0;
-  std::vector<std::array<std::uint32_t, 4>> rectangles;
-  for (const auto& [name, data] : chunks(file)) {
-    order += name + " ";
-    if (name == "acTL") CHECK_EQUAL(number(data, 0), 3U);
-    if (name == "fcTL" || name == "fdAT") CHECK_EQUAL(number(data, 0), sequence++);
-    if (name != "fcTL") continue;
-    rectangles.push_back({number(data, 4), number(data, 8), number(data, 12), number(data, 16)});
-    CHECK_EQUAL(number(data, 20), (1U << 16) + 25U);  // 1/25 s
-  }
-  CHECK_EQUAL(order, std::string("IHDR tEXt acTL fcTL IDAT fcTL fdAT fcTL fdAT IEND "));
-  CHECK((rectangles[0] == std::array<std::uint32_t, 4>{40, 30, 0, 0}));
-  CHECK((rectangles[1] == std::array<std::uint32_t, 4>{4, 3, 10, 20}));
-  CHECK((rectangles[2] == std::array<std::uint32_t, 4>{1, 1, 0, 0}));
-}
-
 /// Links that differ in every size, so that none stands in for another.
 void unequal_links() {
   Scenario scenario = odeval::test::report_scenario("double_pendulum", 0.3, 1e-3);
@@ -534,145 +393,6 @@ void shadows_and_wall() {
   CHECK_BETWEEN(static_cast<double>(on_floor), 2500, 6000);
 }
 
-bool apart(const Tile& a, const Tile& b) {
-  return a.x + a.width <= b.x || b.x + b.width <= a.x || a.y + a.height <= b.y || b.y + b.height <= a.y;
-}
-
-void sheets() {
-  for (const auto& [shots, width, height] : {std::tuple{1U, 800, 600},
-                                             {5U, 800, 600},
-                                             {5U, 1920, 300},
-                                             {24U, 400, 300},
-                                             {2U, 8192, 80},
-                                             {2U, 80, 8192},
-                                             {3U, 60, 17}}) {
-    const std::vector<Panel> panels = sheet_panels(shots, width, height);
-    CHECK_EQUAL(panels.size(), shots);
-    std::vector<Tile> tiles;
-    for (const Panel& panel : panels) {
-      tiles.push_back(panel.scene);
-      tiles.push_back(panel.label);
-    }
-    for (std::size_t i = 0; i < tiles.size(); ++i) {
-      const Tile& t = tiles[i];
-      CHECK(t.x >= 0 && t.y >= 0 && t.width > 0 && t.x + t.width <= width && t.y + t.height <= height);
-      for (std::size_t j = 0; j < i; ++j) CHECK(apart(tiles[j], t));
-    }
-  }
-  CHECK(sheet_panels(5, 1920, 300).back().scene.y == sheet_panels(5, 1920, 300).front().scene.y);  // one row
-  for (int side = 1; side <= 300; ++side) {
-    for (const Panel& panel : sheet_panels(3, 8 * side, side)) {
-      CHECK(panel.scene.width >= least_size && panel.scene.height >= least_size);
-    }
-  }
-  CHECK(sheet_panels(1000, 100, 100).empty());
-
-  catalogue::Evaluator evaluator(odeval::test::report_scenario("wall_pendulum", 1.0, 1e-3));
-  const Scenario& scenario = evaluator.scenario();
-  const Trace trace = evaluator.evaluate(catalogue::find_method("ode-step-double")).trace;
-  Studio studio(scenario, corner, 800, 600, caption_font());
-  const std::vector<std::size_t> rows{0, 250, 500, 750, 1000};
-  std::vector<Shot> shots;
-  for (const std::size_t row : rows) shots.push_back(shot_of(scenario, trace, row));
-  const Image sheet = studio.sheet(shots, {"left", "right"});
-  const Tile above = studio.above_caption();
-  const std::vector<Panel> panels = sheet_panels(rows.size(), above.width, above.height);
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    const Tile& tile = panels[k].scene;
-    Image part(tile.width, tile.height);
-    for (int y = 0; y < tile.height; ++y) {
-      for (int x = 0; x < tile.width; ++x) part.mix(x, y, sheet.at(tile.x + x, tile.y + y), 255);
-    }
-    check_links(scenario, trace, rows[k], part, studio.camera(tile.width, tile.height));
-    long dark = 0;  // a label is there
-    for (int y = 0; y < panels[k].label.height; ++y) {
-      for (int x = 0; x < tile.width; ++x) dark += sheet.at(panels[k].label.x + x, panels[k].label.y + y).r < 128;
-    }
-    CHECK(dark > 20);
-  }
-  CHECK(fit_on_sheet(rows.size(), 800, 600));
-  CHECK(!fit_on_sheet(5000, 800, 600));
-}
-
-/// Along the edges of the boxes of a pose, how many of the points are magenta.
-double outlined_edges(const Scenario& scenario, const Pose& pose, const Image& image, const Camera& camera) {
-  long found = 0;
-  long all = 0;
-  for (std::size_t i = 0; i < pose.size(); ++i) {
-    const Link& link = scenario.planar->links[i];
-    for (const double across : {-0.5, 0.5}) {
-      for (int k = 5; k <= 95; ++k) {
-        const Vec3 point = pose[i].centre_m + ((k / 100.0 - 0.5) * link.length_m) * pose[i].along +
-                           (across * link.width_m) * pose[i].across + (0.5 * link.depth_m) * scenario.frame().axis();
-        const Pixel at = camera.project(point);
-        const Colour seen = image.at(static_cast<int>(at.x), static_cast<int>(at.y));
-        found += seen.r > seen.g + 60 && seen.b > seen.g + 30;
-        ++all;
-      }
-    }
-  }
-  return static_cast<double>(found) / static_cast<double>(all);
-}
-
-void overlay_lies_on_the_reference() {
-  catalogue::Evaluator evaluator(odeval::test::report_scenario("double_pendulum", 4.0, 1e-3));
-  const Scenario& scenario = evaluator.scenario();
-  const Trace truth = evaluator.evaluate(catalogue::find_method(catalogue::reference_method)).trace;
-  const Trace euler = evaluator.evaluate(catalogue::find_method("lagrange-euler")).trace;
-  Studio studio(scenario, corner, 800, 600, caption_font());
-  const Tile above = studio.above_caption();
-  const Camera camera = studio.camera(above.width, above.height);
-  const auto outlined = [&](const Trace& trace, std::size_t row) {
-    Shot shot = shot_of(scenario, trace, row);
-    shot.outline = pose_at(scenario, evaluator.reference().trace, row);
-    return studio.picture(shot, {});
-  };
-
-  // On itself: nothing changes but the lines along edges, so the links' colours shrink by a little only.
-  const Pose pose = pose_at(scenario, truth, 700);
-  const Image plain = studio.picture({pose, {}, ""}, {});
-  const Image both = outlined(truth, 700);
-  CHECK(plain != both);
-  CHECK_BETWEEN(outlined_edges(scenario, pose, both, camera), 0.85, 1.0);
-  CHECK_BETWEEN(outlined_edges(scenario, pose, plain, camera), 0.0, 0.0);
-  const Image same_pose = studio.picture({pose, pose, ""}, {});
-  CHECK(same_pose == both);
-
-  // On a method that is off, the outline stays with the reference.
-  const std::size_t row = 4000;
-  CHECK_BETWEEN(std::fabs(euler.error_q[1][row]), 0.05, 100.0);
-  const Image off = outlined(euler, row);
-  CHECK_BETWEEN(outlined_edges(scenario, pose_at(scenario, truth, row), off, camera), 0.85, 1.0);
-  check_links(scenario, euler, 0, outlined(euler, 0), camera);
-}
-
-void captions() {
-  Scenario scenario = odeval::test::report_scenario("single_pendulum", 0.01, 1e-3);
-  const Pose pose{{scenario.frame().hinge_m, {0, 0, -1}, {0, 1, 0}, {1, 0, 0}}};
-  for (const auto& [width, height] : {std::pair{16, 16}, {16, 300}, {300, 16}, {400, 300}}) {
-    Studio studio(scenario, corner, width, height, caption_font());
-    const std::string long_text(300, 'm');
-    CHECK(studio.picture({pose, {}, ""}, {long_text, "t"}) == studio.picture({pose, {}, ""}, {long_text, "t"}));
-    const Image image = studio.picture({pose, {}, ""}, {"", ""});
-    CHECK(pixels_of_link(image, 0) > 0);
-    const bool room = width > 100 && studio.above_caption().height < height;  // for text one can read
-    CHECK_EQUAL(image == studio.picture({pose, {}, ""}, {"m", "t"}), !room);
-  }
-  // What does not fit loses the end of its left part; nothing at all, and no rule, where the right one has no room.
-  Studio studio(scenario, corner, 400, 300, caption_font());
-  const auto written = [&](const std::string& left, const std::string& right) {
-    return studio.picture({pose, {}, ""}, {left, right});
-  };
-  const std::string dots(300, '.');
-  CHECK(written("m" + dots, "t") == written("m" + dots + dots, "t"));
-  CHECK(written("m" + dots, "t") != written("n" + dots, "t"));
-  CHECK(written("m" + dots, "t") != written("m" + dots, "u"));
-  CHECK(written("", "") == written("m", std::string(300, 'm')));
-  CHECK(studio.shows(pose));
-  CHECK(!Studio(scenario, {0, 0, 0.5}, 400, 300, caption_font()).shows(pose));
-  CHECK_THROWS(Font("no/such/font.ttf"), MachineError, "fonts-dejavu-core");
-}
-
 }  // namespace
 
 // With "skip-without-context" a machine whose driver gives no context skips the test instead of failing it.
@@ -694,13 +414,8 @@ int main(int argc, char** argv) {
   same_bytes();
   frames_are_pictures();
   poses_fill_the_picture();
-  files_hold_picture_and_texts();
-  film_is_a_whole_apng();
   unequal_links();
   smooth_edges_whole_hinges();
   shadows_and_wall();
-  sheets();
-  overlay_lies_on_the_reference();
-  captions();
   return odeval::test::verdict();
 }
