@@ -11,15 +11,16 @@ namespace {
 
 constexpr std::size_t one_in = 100;   // of a series' values may lie below
 constexpr double far_below = 100;     // the rest, by that factor
+constexpr std::size_t few = 10;       // values, of which none may: two or three make a line
 constexpr double of_rounding = 1e-9;  // a value that is a power of ten is not moved to the next
 
 double decade_below(double value) { return std::pow(10, std::floor(std::log10(value) + of_rounding)); }
 double decade_above(double value) { return std::pow(10, std::ceil(std::log10(value) - of_rounding)); }
 
 /// The lowest value of a series that the axis has to have.
-double least_of(Column values) {
+double least_of(Column values, Mark mark) {
+  if (mark != Mark::line || values.size() < few) return std::ranges::min(values);
   const std::size_t left_out = std::max<std::size_t>(1, values.size() / one_in);
-  if (values.size() <= left_out) return std::ranges::min(values);
   std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(left_out));
   const double rest = values[left_out];
   double least = rest;
@@ -45,7 +46,7 @@ LogAxis log_axis_of(const Panel& panel) {
     }
     if (above.empty()) continue;
     greatest = std::max(greatest, std::ranges::max(above));
-    least = std::min(least, least_of(above));
+    least = std::min(least, least_of(above, series.mark));
   }
   for (const Column& above : all) axis.zeros += above.size();
   axis.zeros = axis.values - axis.zeros;

@@ -15,8 +15,9 @@ struct LogAxis {
   std::size_t values = 0;  // all of them that are finite
 };
 
-/// The y axis of a panel. Of each series the lowest hundredth, and one of fewer values, may lie below it where they are
-/// two decades below the rest: an error begins as rounding, and passes zero where it changes its sign.
+/// The y axis of a panel. Of each curve the lowest hundredth, and one of fewer values, may lie below it where they are
+/// two decades below the rest: an error begins as rounding, and passes zero where it changes its sign. Series that are
+/// drawn with points, and those of less than ten values, are on it whole.
 LogAxis log_axis_of(const Panel& panel);
 
 /// "not drawn: 1 value of 0, 2 below 1e-12, of 1001"; empty where all are.

@@ -10,6 +10,7 @@
 #include "output/number.hpp"
 #include "report/gnuplot.hpp"
 #include "report/gnuplot_script.hpp"
+#include "report/log_axis.hpp"
 #include "report/svg.hpp"
 #include "report/text.hpp"
 
@@ -68,10 +69,20 @@ Ranges ranges_of(const Panel& panel) {
   return ranges;
 }
 
-/// Whole decades, so that there are labels at both ends.
-Range whole_decades(const Range& range) {
-  const double low = std::floor(std::log10(range.low));
-  const double high = std::ceil(std::log10(range.high));
+/// From 1, 2 or 5 times a power of ten to another, just around the values; whole decades where fewer than two powers of
+/// ten would be labelled.
+Range around(const Range& range) {
+  constexpr double of_rounding = 1e-9;
+  const double low = std::floor(std::log10(range.low) + of_rounding);
+  const double high = std::ceil(std::log10(range.high) - of_rounding);
+  Range near{std::pow(10, low), std::pow(10, high)};
+  for (const double digit : {2.0, 5.0}) {
+    if (digit * std::pow(10, low) <= range.low * (1 + of_rounding)) near.low = digit * std::pow(10, low);
+    if (std::pow(10, high) / digit >= range.high * (1 - of_rounding)) near.high = std::pow(10, high) / digit;
+  }
+  const double first = std::ceil(std::log10(near.low) - of_rounding);
+  const double last = std::floor(std::log10(near.high) + of_rounding);
+  if (last > first) return near;
   return {std::pow(10, low), std::pow(10, high > low ? high : low + 1)};
 }
 
@@ -82,8 +93,9 @@ Range widened(const Range& range) {
   return {range.low - by, range.high + by};
 }
 
-std::string axis(char name, const Range& range, bool log, bool tight) {
-  const Range shown = log ? whole_decades(range) : widened(range);
+/// `log` is what an axis has that is logarithmic.
+std::string axis(char name, const Range& range, const std::optional<Range>& log, bool tight) {
+  const Range shown = log ? *log : widened(range);
   std::string script;
   if (log) script += fmt::format("set logscale {0}\nset format {0} '10^{{%L}}'\n", name);
   if (log && shown.high > most_ticked_decades * shown.low) script += fmt::format("unset m{}tics\n", name);
@@ -131,8 +143,15 @@ std::string script_of(const Panel& panel, const std::vector<Look>& looks) {
   script += fmt::format("set grid lc rgb '{}' lw 1 dt solid\n", svg_colour_code(svg_grid));
   script +=
       "set xlabel " + quoted(panel.x_label) + " noenhanced\nset ylabel " + quoted(panel.y_label) + " noenhanced\n";
-  script += "set xtics autofreq\n" + axis('x', ranges.x, panel.log_x, lines_only && !panel.equal_axes);
-  script += axis('y', ranges.y, panel.log_y, false);
+  std::optional<Range> log_x;
+  std::optional<Range> log_y;
+  if (panel.log_x) log_x = around(ranges.x);
+  if (panel.log_y) {
+    const LogAxis whole = log_axis_of(panel);
+    log_y = {whole.least, whole.greatest};
+  }
+  script += "set xtics autofreq\n" + axis('x', ranges.x, log_x, lines_only && !panel.equal_axes);
+  script += axis('y', ranges.y, log_y, false);
   if (panel.equal_axes) script += "set size ratio -1\n";
   if (panel.y_range) {
     script +=
@@ -246,6 +265,13 @@ std::string shade_text(const Panel& panel) {
   const std::string name = panel.x_label.substr(0, comma);
   const std::string unit = comma == std::string::npos ? "" : " " + panel.x_label.substr(comma + 2);
   return fmt::format("Shaded from {} = {}{} on: {}", name, shown(panel.shade->from), unit, panel.shade->why);
+}
+
+std::string not_drawn_text(const Panel& panel) {
+  if (!panel.log_y || panel.y_range) return "";
+  std::string text = left_out_text(log_axis_of(panel));
+  if (!text.empty()) text.front() = 'N';
+  return text;
 }
 
 }  // namespace odeval::report

@@ -35,4 +35,7 @@ std::string swatch_svg(const Look& look);
 /// The shade of a panel in words: "Shaded from t = 5.91 s on: ..."; empty without one or where it lies outside.
 std::string shade_text(const Panel& panel);
 
+/// What has no place on its logarithmic axis: "Not drawn: 3 below 1e-12, of 401"; empty where all has.
+std::string not_drawn_text(const Panel& panel);
+
 }  // namespace odeval::report

@@ -102,16 +102,21 @@ std::string title_of(const Panel& panel) {
   return panel.title.empty() ? panel.y_label.substr(0, panel.y_label.find(", ")) : panel.title;
 }
 
-/// The reasons of its shades, each once, to be put behind its caption.
-std::string shades(const Figure& figure) {
-  std::string all;
+std::string letter_of(std::size_t panel) { return std::string(1, static_cast<char>('a' + panel % 26)); }
+
+/// The reasons of its shades, each once, and of each panel what has no place on its axis: to be put behind its caption.
+std::string behind_caption(const Figure& figure) {
   std::vector<std::string> said;
   for (const Panel& panel : figure.panels) {
     const std::string text = shade_text(panel);
-    if (text.empty() || std::ranges::find(said, text) != said.end()) continue;
-    said.push_back(text);
-    all += " " + text + (text.ends_with('.') ? "" : ".");
+    if (!text.empty() && std::ranges::find(said, text) == said.end()) said.push_back(text);
   }
+  for (std::size_t i = 0; i < figure.panels.size(); ++i) {
+    const std::string text = not_drawn_text(figure.panels[i]);
+    if (!text.empty()) said.push_back(figure.panels.size() > 1 ? letter_of(i) + ": " + text : text);
+  }
+  std::string all;
+  for (const std::string& text : said) all += (all.empty() ? "" : " ") + text + (text.ends_with('.') ? "" : ".");
   return all;
 }
 
@@ -188,7 +193,7 @@ Values SectionWriter::panel_values(const Figure& figure, std::size_t number, con
   if (!why_not.empty()) missing_.push_back(fmt::format("{}: {}", figure.name, why_not));
   const Items labels = legend(panel, looks);
   const bool several = figure.panels.size() > 1;
-  return {{"letter", several ? std::string(1, static_cast<char>('a' + number % 26)) : ""},
+  return {{"letter", several ? letter_of(number) : ""},
           {"panel_title", title_of(panel)},
           {"plot", plot},
           {"why_not", why_not},
@@ -203,11 +208,12 @@ void SectionWriter::add_block(Values& block, const Figure& figure) {
   const auto looks = looks_of(figure);
   Items panels;
   for (std::size_t i = 0; i < figure.panels.size(); ++i) panels.push_back(panel_values(figure, i, looks[i], id));
+  const std::string behind = behind_caption(figure);
   block.insert_or_assign("figure", Items{{{"id", id},
                                           {"columns", std::clamp(figure.columns, 1, 4)},
                                           {"panels", std::move(panels)},
                                           {"title", figure.title},
-                                          {"caption", figure.caption + shades(figure)}}});
+                                          {"caption", figure.caption + (behind.empty() ? "" : " " + behind)}}});
 }
 
 void SectionWriter::add_block(Values& block, const Picture& picture) {
@@ -223,6 +229,7 @@ void SectionWriter::add_block(Values& block, const Highlight& highlight) {
   block.insert_or_assign("highlight", Items{{{"id", id},
                                              {"sentence", highlight.sentence},
                                              {"evidence", highlight.evidence},
+                                             {"note", behind_caption(figure)},
                                              {"panels", Items{panel_values(figure, 0, looks_of(figure)[0], id)}}}});
 }
 

@@ -45,8 +45,9 @@ std::string shown(const Finding& finding) {
   }
   if (!finding.unit.empty()) text += " " + finding.unit;
   if (is_uncertain && finding.source != Source::reference) {
-    text += fmt::format(" ({} to {})", shown(*finding.value - finding.uncertainty),
-                        shown(*finding.value + finding.uncertainty));
+    const std::string low = shown(*finding.value - finding.uncertainty);
+    const std::string high = shown(*finding.value + finding.uncertainty);
+    if (low != high) text += fmt::format(" ({} to {})", low, high);
   }
   if (finding.nearby) {
     text += fmt::format(" ({} to {} at neighbouring settings)", shown(finding.nearby->first),

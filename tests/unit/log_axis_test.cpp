@@ -11,9 +11,9 @@ namespace {
 using namespace odeval;
 using report::LogAxis;
 
-LogAxis axis_of(const std::vector<Column>& columns) {
+LogAxis axis_of(const std::vector<Column>& columns, report::Mark mark = report::Mark::line) {
   report::Panel panel;
-  for (const Column& column : columns) panel.series.push_back({"", Column(column.size(), 0), column});
+  for (const Column& column : columns) panel.series.push_back({"", Column(column.size(), 0), column, mark});
   return report::log_axis_of(panel);
 }
 
@@ -47,6 +47,14 @@ void it_begins_where_the_values_are() {
   check(axis_of({Column{1e-9}}), 1e-9, 1e-8, "");
 }
 
+/// Points that were measured one by one, and the ends of a line, are no rounding however far apart they are.
+void what_is_few_is_on_it_whole() {
+  check(axis_of({grown({1.1e-16}, 20)}, report::Mark::line_and_points), 1e-16, 1e-3, "");
+  check(axis_of({grown({1.1e-16}, 20)}, report::Mark::points), 1e-16, 1e-3, "");
+  check(axis_of({{1e-2, 1e-10}}), 1e-10, 1e-2, "");
+  check(axis_of({{1e-2, 1e-6, 1e-10}}), 1e-10, 1e-2, "");
+}
+
 void nothing_has_a_place() {
   const LogAxis axis = axis_of({{0, 0}, {0}});
   CHECK_EQUAL(axis.least, 0.0);
@@ -57,6 +65,7 @@ void nothing_has_a_place() {
 
 int main() {
   it_begins_where_the_values_are();
+  what_is_few_is_on_it_whole();
   nothing_has_a_place();
   return test::verdict();
 }

@@ -249,6 +249,8 @@ void an_uncertainty_says_what_it_is() {
   CHECK_EQUAL(shown(finding), "12.5 ± 0.2 rad");
   finding.source = Source::fit;
   CHECK_EQUAL(shown(finding), "12.5 rad (12.2 to 12.8)");
+  finding.uncertainty = 1e-3;  // three digits do not tell its ends apart
+  CHECK_EQUAL(shown(finding), "12.5 rad");
   finding.uncertainty = 0;
   finding.nearby = {7, 13};
   CHECK_EQUAL(shown(finding), "12.5 rad (7 to 13 at neighbouring settings)");
@@ -326,6 +328,51 @@ void a_panel_says_what_it_is(const std::string& html) {
   CHECK(holds_text(page, "two, three</li>") && count(page, "<svg class=\"swatch\"") == 2);
   // Behind the others.
   CHECK(page.find("<title>two</title>") < page.find("<title>one</title>"));
+}
+
+/// The powers of ten that the axes of a plot name.
+std::set<int> powers_of(const Panel& panel) {
+  std::set<int> powers;
+  const std::string svg = plot_svg(panel, looks_of({"", "", "", {panel}, 1})[0], "plot");
+  for (const std::string& power : matches(svg, "font-size=\"0.8em\"[^>]*>(-?[0-9]+)<")) {
+    powers.insert(std::atoi(power.c_str()));
+  }
+  return powers;
+}
+
+/// A logarithmic axis begins where the data do: what is left of rounding at the start takes none of it, and is told;
+/// across it begins and ends at 1, 2 or 5 times a power of ten.
+void logarithmic_axes_begin_where_the_data_are() {
+  Series error{"error", {}, {}};
+  for (int i = 0; i <= 300; ++i) {
+    error.x.push_back(0.01 * i);
+    error.y.push_back(i < 2 ? 1.1e-16 : std::pow(10, -6 + 0.01 * i));
+  }
+  Panel panel{"", "t, s", "error, rad", {error}};
+  panel.log_y = true;
+  CHECK(powers_of(panel) == std::set<int>({-6, -5, -4, -3}));
+  CHECK_EQUAL(not_drawn_text(panel), "Not drawn: 2 below 1e-06, of 301");
+  panel.series[0].mark = Mark::line_and_points;  // measured one by one
+  CHECK(powers_of(panel).contains(-16));
+  CHECK_EQUAL(not_drawn_text(panel), "");
+
+  panel = {"", "h, s", "order", {{"error", {1e-4, 5e-4, 2e-3}, {1, 2, 3}, Mark::line_and_points}}};
+  panel.log_x = true;
+  CHECK(powers_of(panel) == std::set<int>({-4, -3}));  // ends at 2e-3
+  panel.series[0].x = {1.5e-3, 2e-3, 4e-3};            // between two powers: from one to the other
+  CHECK(powers_of(panel) == std::set<int>({-3, -2}));
+
+  Document document;
+  Figure figure{"fig-rounding", "", "So.", {panel, panel}, 2};
+  figure.panels[1].series = {error};
+  figure.panels[1].log_x = false;
+  figure.panels[1].log_y = true;
+  document.sections = {{"section", "", {figure}}};
+  figure.panels.erase(figure.panels.begin());
+  document.front = {{"front", "", {Highlight{"A sentence.", figure, "section"}}}};
+  const std::string html = page_of(document).html;
+  CHECK(holds_text(html, "So. b: Not drawn: 2 below 1e-06, of 301."));
+  CHECK(holds_text(html, "<p class=\"note\">Not drawn: 2 below 1e-06, of 301.</p>"));  // no caption of another
 }
 
 void the_same_name_twice_is_a_mistake() {
@@ -406,6 +453,7 @@ int main(int argc, char** argv) {
   tables_have_all_digits_beside_the_page();
   a_colour_stays_with_its_index();
   a_panel_says_what_it_is(page.html);
+  logarithmic_axes_begin_where_the_data_are();
   the_same_name_twice_is_a_mistake();
   what_is_not_finite_is_a_gap(page.html);
   gnuplot_fails_in_one_line();
