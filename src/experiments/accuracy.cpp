@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "experiments/all.hpp"
+#include "experiments/answer_runs.hpp"
 #include "experiments/parts.hpp"
 
 namespace odeval::experiments {
@@ -124,7 +125,12 @@ Content accuracy(Laboratory& laboratory, Findings& findings) {
     return time ? "at " + shown(*time) + " s" : std::string("never");
   };
   Content content;
-  content.values = {{"known", reference_known(evaluator, {1, 3, evaluator.scenario().duration_s})},
+  const double cfm = evaluator.scenario().ode.cfm;
+  const double default_cfm = answers::cfms.front();
+  content.values = {{"other_cfm", cfm != default_cfm},
+                    {"cfm", cfm},
+                    {"default_cfm", default_cfm},
+                    {"known", reference_known(evaluator, {1, 3, evaluator.scenario().duration_s})},
                     {"claimed_until", claimed_until_s},
                     {"lost", divergence_rad},
                     {"ode_lost", lost_at(runs[0])},

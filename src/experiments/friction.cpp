@@ -121,12 +121,14 @@ Content friction(Laboratory& laboratory, Findings& findings) {
   Panel turns{.x_label = "direction of the slide, degrees", .y_label = "turned aside, degrees"};
   double straight = NAN;
   double diagonal = NAN;
+  double told_off = 0;      // of the way, where contacts are told the way they slide
   double off_the_cone = 0;  // m
   double uncertainty = 0;   // m, of the reference there
   for (const Case& how : cases) {
-    const bool pyramid = how.model == FrictionModel::pyramid && how.axes == FrictionAxes::plane_space;
+    const bool told = how.axes == FrictionAxes::sliding;
+    const bool own_colour = how.model == FrictionModel::pyramid && !told;
     report::Series way{
-        std::string(how.label), {}, {}, report::Mark::line_and_points, pyramid ? colour_of(how.method) : -1};
+        std::string(how.label), {}, {}, report::Mark::line_and_points, own_colour ? colour_of(how.method) : -1};
     report::Series turned = way;
     for (const double direction : directions_deg) {
       const Slide slid = slide(scenario, how, direction);
@@ -136,6 +138,7 @@ Content friction(Laboratory& laboratory, Findings& findings) {
       way.y.push_back(slid.way / slid.true_way);
       turned.x.push_back(direction);
       turned.y.push_back(slid.turned_deg);
+      if (told) told_off = std::max(told_off, std::fabs(slid.way / slid.true_way - 1));
       if (&how == &cases[0] && direction == 0) straight = slid.way;
       if (&how == &cases[0] && direction == 45) {
         diagonal = slid.way;
@@ -155,6 +158,10 @@ Content friction(Laboratory& laboratory, Findings& findings) {
   findings.add("C14.anisotropy",
                measured("friction of the pyramid at 45 degrees to its axes over that along one, less 1", "",
                         straight / diagonal - 1));
+  findings.add("friction.told_off",
+               measured("way of dWorldStep's box over Coulomb's, less 1, where each contact is told "
+                        "the way it slides: the largest of all directions",
+                        "", told_off));
   findings.add("friction.cone_error",
                measured("largest distance of ode-rk4-double from Coulomb's motion, over all directions", "m",
                         off_the_cone, uncertainty));

@@ -11,7 +11,8 @@
 
 namespace odeval::experiments {
 
-/// Row of the one table of highlights, in the order of the page.
+/// Row of the table of highlights or of the box, in the order of the page. Of the rows of one section and figure the
+/// conditions are such that one holds, whatever was measured.
 struct Row {
   std::string_view section;                     // whose evidence it is
   std::string_view figure;                      // of that section
@@ -23,6 +24,7 @@ struct Row {
 };
 
 std::span<const Row> highlights();
+std::span<const Row> box_sentences();
 
 /// What everybody reads, from all that was measured: the section of the experiment `answer`, which leaves `sections`,
 /// below a few sentences of the kind; and the highlights whose conditions hold and whose plots are there.

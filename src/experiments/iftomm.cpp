@@ -226,8 +226,8 @@ Content iftomm(Laboratory& laboratory, Findings& findings) {
 
   Content content;
   content.values = {{"duration", scenario.duration_s},
-                    {"mass", scenario.planar->links[0].mass_kg},
-                    {"length", scenario.planar->links[0].length_m},
+                    {"mass", shown(scenario.planar->links[0].mass_kg)},
+                    {"length", shown(scenario.planar->links[0].length_m)},
                     {"loosest", shown(std::pow(10.0, -loosest_digits))},
                     {"rows_apart", accuracy.row_spacing_s()},
                     {"most_cartesian", most_steps_cartesian},

@@ -66,7 +66,8 @@ report::Panel told_apart(report::Panel panel) {
       kept.push_back(std::move(series));
     } else {
       same->label += " = " + series.label;
-      if (same->colour == report::rest_colour) same->colour = series.colour;
+      const bool has_none = same->colour == report::rest_colour || same->colour < 0;  // that belongs to a method
+      if (has_none && series.colour >= 0) same->colour = series.colour;
     }
   }
   panel.series = std::move(kept);
@@ -120,14 +121,14 @@ Column above_zero(Column column) {
 std::optional<Shade> lost_shade(Evaluator& evaluator, const Evaluation& run) {
   const Metrics metrics = evaluator.measure(run, evaluator.scenario().duration_s);
   if (metrics[quantity::divergence_time]) {
-    return Shade{*metrics[quantity::divergence_time],
-                 fmt::format("from {} s on the angles are off by more than {} rad: the motion shown is another one",
-                             shown(*metrics[quantity::divergence_time]), divergence_rad)};
+    return Shade{
+        *metrics[quantity::divergence_time],
+        fmt::format("the angles are off by more than {} rad, and the motion shown is another one", divergence_rad)};
   }
   if (metrics.reference_lost_at) {
-    return Shade{*metrics.reference_lost_at,
-                 fmt::format("from {} s on the reference knows its angles no better than {} rad: nobody can tell",
-                             shown(*metrics.reference_lost_at), divergence_rad)};
+    return Shade{
+        *metrics.reference_lost_at,
+        fmt::format("the reference knows its angles no better than {} rad, and nobody can tell", divergence_rad)};
   }
   return std::nullopt;
 }

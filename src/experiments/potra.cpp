@@ -19,6 +19,7 @@ using report::Missing;
 constexpr const char* name = "potra_pendulum";
 constexpr const char* compared[] = {"ode-step-double", "ode-quickstep-double", "ode-rk4-double"};
 constexpr double thinnest_m = 1e-4;
+constexpr double worst_followed_steps = 10;  // an impact farther off is of another motion
 
 /// The times at which balls as small as a scenario may have would touch: how near the spheres are to points.
 double off_points(const Scenario& file, const Reference& spheres) {
@@ -95,10 +96,13 @@ Content potra(Laboratory& laboratory, Findings& findings) {
   }
   report::Figure figure{.name = "potra-figure", .columns = 2};
   figure.panels = {std::move(errors), std::move(distance)};
+  const double quickstep_late_steps = worst[1] / step_s;
   Content content;
   content.values = {{"sphere", evaluator.scenario().planar->links[0].width_m},
                     {"iterations", evaluator.scenario().ode.iterations},
-                    {"late_steps", shown(worst[0] / step_s)}};
+                    {"late_steps", shown(worst[0] / step_s)},
+                    {"quickstep_follows", quickstep_late_steps <= worst_followed_steps},
+                    {"quickstep_late_steps", std::isnan(quickstep_late_steps) ? "" : shown(quickstep_late_steps)}};
   content.exhibits.emplace_back(std::move(figure));
   content.exhibits.emplace_back(std::move(table));
   return content;

@@ -4,6 +4,7 @@
 //   experiments_test --page OUT RELEASES   makes the page as `odeval report --out OUT --releases RELEASES` does and
 //                                          checks what it is made of; tests/cli/report checks the page itself
 //   experiments_test NAME                  one experiment, in this process
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -19,7 +20,9 @@
 #include "model/read_scenario.hpp"
 #include "odeval/metrics.hpp"
 #include "report/claims.hpp"
+#include "report/template.hpp"
 #include "tests/check.hpp"
+#include "tests/oracle/bands.hpp"
 #include "tests/planar.hpp"
 #include "tests/scenarios.hpp"
 
@@ -28,6 +31,9 @@ using experiments::Experiment;
 using experiments::Laboratory;
 using report::Finding;
 using report::Findings;
+using test::Band;
+using test::bands;
+using test::units;
 
 namespace {
 
@@ -189,117 +195,6 @@ void check_claims(const Page& page) {
   }
 }
 
-struct Band {
-  const char* finding;
-  double low;
-  double high;
-};
-
-// Measured with ODE 0.16.2 (Debian, x86-64). The runs are deterministic; what another compiler may move is rounding,
-// which a chaotic motion has amplified to 1e-9 by 3 s and to 1e-5 by 10 s. So 2 % either way holds all that is smooth
-// in the motion, and 10 % the largest drifts over 10 s, which feedback makes of rounding and step errors alike. Times
-// and shifts in steps are held to their own grain.
-constexpr Band bands[] = {
-    {"C2.error_ratio", 0.999999, 1.000001},        // 1 + 5.6e-8: twenty iterations solve two joints to that
-    {"C4.long_axis_spin_double", 3.5e-7, 3.5e-5},  // 3.5e-6: rounding; another order of operations may make ten times
-    {"C4.long_axis_spin_single", 90, 9000},        // 902: the same, grown by the ratio of the moments
-    {"C6.discrete_law_error", 0, 1e-12},           // 1.3e-14
-    {"C6.oscillator_order", 0.94, 0.965},          // 0.9527: from steps of 8 ms on, where the next term still shows
-    {"answer.arm_step", 2, 2},                     // ms, each one step of a ladder of 1, 2, 5: the next one does not
-    {"answer.arm_erp", 0.8, 0.8},
-    {"answer.arm_default_step", 0.1, 0.1},
-    {"answer.impacts_step", 0.5, 0.5},
-    {"answer.chain_step", 2, 2},
-    {"answer.chain_default_step", 0.5, 0.5},
-    {"answer.sliding_step", 20, 20},
-    {"answer.rest_step", 0.2, 0.2},
-    {"answer.tumbling_step", 0.02, 0.02},
-    {"answer.motor_step", 20, 20},
-    {"answer.motor_default_step", 2, 2},
-    {"motor.speed_loss_off", 0, 1e-10},  // 4e-12 m/s: rounding of 20,000 steps; a hundredth of CFM 1e-10 times 98.1 N
-    {"motor.rigid_loss", 0, 1e-12},
-    {"answer.arm_until", 2, 2},                    // s
-    {"answer.error", 4.62, 4.81},                  // 4.715 mrad
-    {"answer.lost_at", 5.95, 5.99},                // 5.968 s
-    {"answer.energy_drift", 0.0584, 0.0609},       // 0.0596 J
-    {"answer.impact_error", 8.2, 8.7},             // 8.460 ms, the most of 61 steps
-    {"answer.impact_angle", 49.8, 52.8},           // 51.32 mrad
-    {"answer.wall_step", 1, 1},                    // ms
-    {"answer.single_fine_ratio", 1.9, 2.3},        // 2.11: rounding, whose part another compiler may move by a tenth
-    {"answer.single_ratio", 0.99, 1.01},           // 0.9992: steps large beside rounding
-    {"C8a.fluctuation_over_ode45", 0.174, 0.213},  // 0.194
-    {"C8a.fluctuation_over_euler", 0.215, 0.262},  // 0.239
-    {"C8a.ode_over_ode45", 0.059, 0.072},          // 0.0656
-    {"C8a.ode_over_euler", 0.0494, 0.0604},        // 0.0549
-    {"C8b.least_ratio", 85, 104},                  // 94.5, at 1e-3 s
-    {"C8b.largest_ratio", 220, 270},               // 245, at 2.5e-4 s
-    {"C9.distance_ratio", 0.58, 0.604},            // 0.592
-    {"C9.ode_parts_at", 3.914, 3.934},             // 3.924 s
-    {"C10.perturbed_parts_at", 3.912, 3.932},      // 3.922 s
-    {"C10.growth_at_6s", 6350, 6610},              // 6477
-    {"C11a.after_vertical", 8.81, 8.82},           // 8.8157: one step and the closed form
-    {"C11a.after_touch", -0.44, -0.43},            // -0.4346, likewise
-    {"C11b.by_settings", 0.1134, 0.1135},  // 0.11343: one step of 8.8157; without feedback the hinge opens by 2 mm
-    {"C11b.by_face", 1.0208, 1.021},       // 1.0209: nine steps of 8.8157; 0.05 m of wall
-    {"O1.shift", 0.4937, 0.4948},          // 0.49426 steps; a tenth of what is missing to 0.5 either way
-    {"O1.gain", 52.7, 54.9},               // 53.8
-    {"O1.order", 1.81, 1.885},             // 1.848
-    {"O1.order_at_speed", 1.81, 1.88},     // 1.844; with the joint rates of t = -h/2 it is 1.045
-    {"O1.gain_at_speed", 317, 330},        // 323
-    {"O1.shift_at_speed", 1.07, 1.08},     // 1.0755
-    {"O1.shift_chain", 0.4629, 0.4697},    // 0.4663
-    {"O1.gain_chain", 4.6, 4.8},           // 4.698: feedback of the joints leaves as much again
-    {"O1.order_chain", 1.76, 1.83},        // 1.796
-    {"C1.order_off", 0.0172, 0.018},       // 0.0176
-    {"order.off_coarse", 0.103, 0.108},    // 0.1055
-    {"order.off_fine", 0.0278, 0.029},     // 0.0284
-    {"C3.error_ratio", 0.054, 0.0563},     // 0.0552
-    {"C3.condition_ratio", 784, 817},      // 800
-    {"coordinates.feedback_gain", 107.3, 111.7},         // 109.5
-    {"coordinates.scheme_ratio", 0.00933, 0.00972},      // 0.00953: as 1 / feedback_gain, but for what the gap does
-    {"C5.digits_regained", 10.19, 10.21},                // 10.20: (2 l + c) / c, l the greatest eigenvalue, c = CFM/h
-    {"C5.error_ratio", 0.9999, 1.003},                   // 1.0012
-    {"conditioning.near_singular_digits", 4.09, 4.12},   // 4.10
-    {"C15.matrix_drift", 0.793, 0.826},                  // 0.809
-    {"C15.quaternion_drift", 1e-16, 1e-14},              // 2e-15: rounding, whatever a compiler makes of it
-    {"C17.growth_ratio", 2720, 3330},                    // 3022
-    {"C16.gap_ratio", 4.63, 4.83},                       // 4.73
-    {"O2.gain", 4.04, 4.21},                             // 4.126
-    {"O2.gain_chain", 6.75, 7.03},                       // 6.90
-    {"O3.drift_ratio", 1.546, 1.61},                     // 1.578
-    {"C2.chain_error_ratio", 2.03, 2.11},                // 2.070
-    {"C3.error_exponent", 0.59, 0.67},                   // 0.628
-    {"chain.condition_exponent_generalized", 4.2, 4.4},  // 4.30
-    {"chain.condition_exponent_cartesian", 0.87, 0.96},  // 0.917
-    {"sources.discretisation_share_double_pendulum", 0.91, 0.96},  // 0.938
-    {"sources.discretisation_share_chain", 1.28, 1.39},            // 1.337: other parts undo some of it
-    {"iftomm.lagrange-symplectic-euler_within_0.1", 0.025, 0.025},
-    {"iftomm.ode-rk4-double_within_0.001", 0.00625, 0.00625},
-    {"iftomm.best_settings_within_0.1", 0.000625, 0.000625},  // 1 / 80 of a row; 1 / 40 does not
-    {"iftomm.ode-step-double_best", 1, 3.2},                  // 2.31: lost at any step tried
-    {"bench.rolling_quickstep", 1.5e-4, 3.5e-4},              // 2.3e-4: what 100 iterations leave
-    {"bench.rolling_quickstep_light", 1e3, 1e5},              // 2.6e4: bodies that tumble, where rounding tells
-    {"potra.late_steps", 1.6, 1.85},                          // 1.720
-    {"potra.late_fourth_order", 0, 1e-10},                    // 2.7e-11 s
-    {"potra.spheres_off_points", 7e-5, 8.5e-5},               // 7.75e-5 s
-    {"C12.smooth_gain", 8.2e5, 1.01e6},                       // 9.17e5
-    {"C12.impact_gain", 1e7, 1e8},                            // 2.9e7: at least, as the reference knows no better
-    {"C12.friction_gain", 1e8, 1e11},                         // 1.3e9: rounding below
-    {"C12.motor_gain", 1e9, 1e12},                            // 1.3e10: likewise
-    {"C12.stop_gain", 1e6, 1e7},                              // 2.9e6
-    {"friction.cone_error", 1e-14, 1e-11},                    // 1.2e-12 m: rounding
-    {"C13.largest_difference", 1e-13, 1e-7},                  // 6e-10 rad: what the motion makes of rounding until 5 s
-    {"chain.force_error_halved_double_pendulum", 0.506, 0.527},  // 0.516: CFM/h makes it worse
-    {"chain.force_error_halved_double_pendulum_rigid", 2, 2.1},  // 2.058: of first order
-    {"chain.force_error_halved_chain", 2.24, 2.34},              // 2.290: not settled yet
-    {"chain.force_error_halved_chain_rigid", 2.2, 2.3},          // 2.248: likewise
-    {"friction.stop_at_45", 0.7056, 0.7086},                     // 0.7078: 1 / sqrt(2), and a step either way
-    {"C14.anisotropy", 0.4140, 0.4162},                          // 0.41507: sqrt(2) - 1, and half a step at the start
-    {"bouncing.restitution_kept", 0.999, 1.001},                 // 1 at CFM 1e-10
-    {"bouncing.restitution_heavy", 0.771, 0.787},                // 0.7789: (0.7 - 0.1) / 1.1 / 0.7, CFM m / h = 0.1
-    {"bouncing.energy_error", 5.5e-4, 5.8e-4},  // 5.63e-4: h g / (2 sqrt(3)) times the speed of the impact over g H
-};
-
 /// All bands, or those of an experiment by itself.
 void check_numbers(const Page& page, bool all) {
   const bool complete = is_complete();
@@ -313,6 +208,96 @@ void check_numbers(const Page& page, bool all) {
                    std::string(band.finding) + " = " + test::shown(value) + ", expected " + test::shown(band.low) +
                        " to " + test::shown(band.high));
     }
+  }
+}
+
+/// A finding's name as a sentence has it.
+std::string in_template(std::string_view name) {
+  std::string out(name);
+  std::ranges::replace_if(
+      out, [](char letter) { return letter == '.' || letter == '-'; }, '_');
+  return out;
+}
+
+/// The findings that a sentence names.
+std::set<std::string> names_of(std::string_view sentence) {
+  constexpr std::string_view as_percent = "_percent";
+  std::set<std::string> names;
+  for (std::string name : report::names_in(sentence)) {
+    if (name.ends_with(as_percent)) name.resize(name.size() - as_percent.size());
+    names.insert(std::move(name));
+  }
+  return names;
+}
+
+/// Each number of the sentences that everybody reads has a band: a wrong row, sign or time of one is seen.
+void check_every_number_said_has_a_band() {
+  for (const auto& rows : {experiments::highlights(), experiments::box_sentences()}) {
+    for (const experiments::Row& row : rows) {
+      for (const std::string& name : names_of(row.sentence)) {
+        const bool held =
+            std::ranges::any_of(bands, [&](const Band& band) { return in_template(band.finding) == name; });
+        if (!held) CHECK_EQUAL(name, "a number with a band");
+      }
+    }
+  }
+}
+
+/// Of a number in a sentence the unit is that one, or none.
+void check_units(const Page& page) {
+  std::set<std::string> said;
+  for (const auto& rows : {experiments::highlights(), experiments::box_sentences()}) {
+    for (const experiments::Row& row : rows) said.merge(names_of(row.sentence));
+  }
+  for (const auto& [name, finding] : page.findings.all()) {
+    if (!said.contains(in_template(name))) continue;
+    const auto* const known = std::ranges::find(units, name, &std::pair<std::string_view, std::string_view>::first);
+    CHECK_EQUAL(name + ", " + finding.unit, name + ", " + std::string(known == std::end(units) ? "" : known->second));
+  }
+}
+
+const report::Table* table_of(const Page& page, std::string_view name) {
+  for (const report::Section& section : page.sections) {
+    for (const report::Block& block : section.blocks) {
+      const auto* const table = std::get_if<report::Table>(&block);
+      if (table != nullptr && table->name == name) return table;
+    }
+  }
+  return nullptr;
+}
+
+/// What stands behind a flag of a command; empty: it is not there.
+std::string flag_of(const std::string& command, const std::string& flag) {
+  const std::size_t at = command.find(" " + flag + " ");
+  if (at == std::string::npos) return "";
+  const std::size_t from = at + flag.size() + 2;
+  return command.substr(from, command.find(' ', from) - from);
+}
+
+/// The settings and the error in the table are those of the run that proves them, row by row.
+void check_answers(const Page& page) {
+  const report::Table* const answers = table_of(page, "answer");
+  const report::Table* const proofs = table_of(page, "answer-proofs");
+  if (answers == nullptr || proofs == nullptr) return;
+  for (const auto& row : answers->rows) {
+    const auto& task = std::get<std::string>(row.at(0));
+    const auto proof = std::ranges::find_if(proofs->rows, [&](const auto& one) {
+      return std::get<std::string>(one.at(0)) == task && std::get<std::string>(one.at(1)) == "ODE's best";
+    });
+    const auto* const step_ms = std::get_if<double>(&row.at(1));
+    CHECK_EQUAL(proof != proofs->rows.end(), step_ms != nullptr);
+    if (step_ms == nullptr || proof == proofs->rows.end()) continue;
+    const auto& command = std::get<std::string>(proof->at(2));
+    CHECK_NEAR(std::stod(flag_of(command, "--step")), 1e-3 * *step_ms, 1e-12);
+    if (const auto* const erp = std::get_if<double>(&row.at(2))) {
+      const std::string flag = flag_of(command, "--erp");
+      CHECK_NEAR(*erp, flag.empty() ? OdeSettings{}.erp : std::stod(flag), 1e-12);
+    }
+    const bool early = std::get<std::string>(row.at(4)).find("half-step start") != std::string::npos;
+    CHECK_EQUAL(flag_of(command, "--start"), early ? "half-step" : "");
+    // In milliradians and millimetres here, in radians and metres there; and until when, which the run is long.
+    CHECK_NEAR(std::get<double>(row.at(7)), 1e3 * std::get<double>(proof->at(4)), 1e-9);
+    CHECK(std::get<std::string>(row.at(6)).ends_with(", " + flag_of(command, "--duration") + " s"));
   }
 }
 
@@ -382,9 +367,11 @@ void check_front(const std::vector<report::Section>& front) {
   CHECK_EQUAL(
       count(front.at(0), [](const report::Block& block) { return std::holds_alternative<report::Text>(block); }),
       4 + trees - missing);
+  std::set<std::string_view> figures;  // of the sentences for one figure one holds
+  for (const experiments::Row& row : experiments::highlights()) figures.insert(row.figure);
   CHECK_EQUAL(
       count(front.at(2), [](const report::Block& block) { return std::holds_alternative<report::Highlight>(block); }),
-      static_cast<std::ptrdiff_t>(experiments::highlights().size()) - missing);
+      static_cast<std::ptrdiff_t>(figures.size()) - missing);
 }
 
 }  // namespace
@@ -399,6 +386,8 @@ int main(int argc, char** argv) {
       check_parts(page);
       check_claims(page);
       check_numbers(page, true);
+      check_units(page);
+      check_answers(page);
       check_front(document.front);
     };
     CHECK_EQUAL(cli::report({.out = argv[2], .releases = argv[3]}, check), 0);
@@ -408,10 +397,13 @@ int main(int argc, char** argv) {
     print(page.findings);
     check_parts(page);
     check_numbers(page, false);
+    check_units(page);
+    check_answers(page);
   } else {
     std::fputs("usage: experiments_test --page OUT RELEASES | NAME\n", stderr);
     return 2;
   }
+  check_every_number_said_has_a_band();
   check_chain_of();
   check_left_out();
   check_advice();
