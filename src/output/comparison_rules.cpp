@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "odeval/error.hpp"
 #include "output/number.hpp"
@@ -223,6 +225,26 @@ double Uncertainty::at(quantity::Id bound, double t) const {
   return next == until_[bound].end() ? 0 : next->second;
 }
 
+namespace {
+
+/// The rows that two traces have at the same times, up to the rounding of a number of steps: runs of other steps or
+/// spacings share some.
+std::vector<std::pair<std::size_t, std::size_t>> rows_at_same_times(const Column& a, const Column& b) {
+  constexpr double rounding = 1e-9;  // far below the least step
+  std::vector<std::pair<std::size_t, std::size_t>> rows;
+  for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
+    const double apart = a[i] - b[j];
+    if (std::fabs(apart) <= rounding * std::max(1.0, std::fabs(a[i]))) {
+      rows.emplace_back(i++, j++);
+    } else {
+      ++(apart < 0 ? i : j);
+    }
+  }
+  return rows;
+}
+
+}  // namespace
+
 void compare_traces(const Place& place, const CsvColumns& a, const CsvColumns& b, const Uncertainty& of_a,
                     const Uncertainty& of_b, FileComparison& file) {
   const auto differ = [&](const std::string& what, const std::string& in_a, const std::string& in_b, double allowed) {
@@ -234,18 +256,20 @@ void compare_traces(const Place& place, const CsvColumns& a, const CsvColumns& b
   }
   if (a.columns.empty() || a.header[0] != trace_columns[0].name) throw UserError("no column t");
   const Column& t = a.columns[0];
+  const auto rows = rows_at_same_times(t, b.columns[0]);
   if (t.size() != b.columns[0].size()) {
     differ("rows", std::to_string(t.size()), std::to_string(b.columns[0].size()), 0);
+  } else if (rows.size() != t.size()) {
+    differ("rows at the same times", std::to_string(t.size()), std::to_string(rows.size()), 0);
   }
-  const std::size_t rows = std::min(t.size(), b.columns[0].size());
   LargestAngle largest;
   for (std::size_t i = 0; i < a.header.size(); ++i) {
     const ColumnRule rule(a.header[i], of_a, of_b);
     const bool is_angle = rule.is_angle();
     bool told = false;
-    for (std::size_t k = 0; k < rows; ++k) {
+    for (const auto& [k, in_other] : rows) {
       const double in_a = a.columns[i][k];
-      const double in_b = b.columns[i][k];
+      const double in_b = b.columns[i][in_other];
       if (is_angle) largest.look_at(in_a, in_b, t[k]);
       const double allowed = rule.allowed(t[k], in_a, in_b);
       if (told || same(in_a, in_b, allowed)) continue;
@@ -254,7 +278,9 @@ void compare_traces(const Place& place, const CsvColumns& a, const CsvColumns& b
       told = true;
     }
   }
-  file.why = fmt::format("largest |dq| {:.2g} rad, at t = {}", largest.difference, number_text(largest.t));
+  file.why = rows.empty()
+                 ? "no rows at the same times"
+                 : fmt::format("largest |dq| {:.2g} rad, at t = {}", largest.difference, number_text(largest.t));
 }
 
 void compare_tables(const Place& place, const std::string& text_a, const std::string& text_b, FileComparison& file,
