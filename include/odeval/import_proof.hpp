@@ -7,7 +7,8 @@ namespace odeval {
 
 /// Mass matrix and bias forces of ODE's world, taken back from its bodies and joints, beside those of others at random
 /// states: largest differences. Of the mass matrix against the geometric mean of its two diagonal elements, of a bias
-/// force against the largest, each against the root of its diagonal element.
+/// force against the largest, each against the root of its diagonal element. Stops, motors, springs and what else acts
+/// along joints is no part of them, so that a robot with stops is proved as well, at states beyond its stops too.
 struct ImportProof {
   int states = 0;
   std::optional<double> simbody = {};  // absent: this build is without

@@ -358,6 +358,28 @@ void a_floating_link_is_proved() {
   CHECK(mistaken("r.urdf", robot, wrong).kdl.value_or(0) > 1e-8);
 }
 
+/// The states lie beyond the ends of narrow ways, where stops would push: they are no part of the proof, and neither is
+/// anything else that acts along joints. So a robot with stops is proved by the same numbers as one without.
+void stops_are_no_part_of_the_proof() {
+  const Imported imported = import_robot("arm.urdf", read_robot("arm.urdf", arm), {});
+  const Scenario scenario = scenario_of(imported, "arm.urdf");
+  const auto proved = [&](const std::optional<Stop>& stop) {
+    Scenario other = scenario;
+    for (Joint& one : other.mechanism.joints) {
+      if (one.stop) one.stop = stop;
+    }
+    return catalogue::prove_import(imported, other);
+  };
+  const auto stopped =
+      std::ranges::count_if(scenario.mechanism.joints, [](const Joint& one) { return one.stop.has_value(); });
+  CHECK_EQUAL(stopped, 3);
+  const ImportProof narrow = proved(Stop{-1e-3, 1e-3, 0.5});
+  const ImportProof none = proved({});
+  CHECK(narrow.holds());
+  CHECK(narrow.kdl.has_value() && narrow.kdl == none.kdl);
+  CHECK(narrow.simbody == none.simbody);
+}
+
 void friction_can_be_dropped() {
   const Imported imported = import_robot("arm.urdf", read_robot("arm.urdf", arm), {.drop_friction = true});
   CHECK(!joint(scenario_of(imported, "arm.urdf"), "shoulder").motor);
@@ -376,6 +398,7 @@ int main() {
     a_mistake_of_the_importer_is_caught("arm.urdf", arm);
     a_mistake_in_ode_is_caught();
     a_floating_link_is_proved();
+    stops_are_no_part_of_the_proof();
     friction_can_be_dropped();
     for (const double angle : {0.0, 1e-9, 0.1, 1.0, 3.0, 3.14159, 3.2, 6.0}) turns_of_all_sizes_are_read(angle);
   }
