@@ -101,6 +101,7 @@ const Reference& Evaluator::reference() {
     add_joint_columns(scenario_, solved.trace);
     reference_ = std::make_shared<const Reference>(std::move(solved));
   }
+  OwnLimits::note(*reference_, scenario_);
   return *reference_;
 }
 

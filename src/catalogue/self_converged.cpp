@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "audit/extrapolation.hpp"
 #include "catalogue/methods.hpp"
@@ -119,6 +120,22 @@ Reference self_converged(const Scenario& scenario, const SampleGrid& grid) {
   reference.origin += keeps_numbers(scenario) ? "numbers" : "springs";
   reference.origin += "; uncertainty from the spread";
   return reference;
+}
+
+namespace {
+
+OwnLimits* keeper = nullptr;  // the youngest that lives
+
+}  // namespace
+
+OwnLimits::OwnLimits() : outer_(std::exchange(keeper, this)) {}
+OwnLimits::~OwnLimits() { keeper = outer_; }
+
+void OwnLimits::note(const Reference& reference, const Scenario& scenario) {
+  if (keeper == nullptr || mark_of(reference).empty()) return;
+  std::string line = scenario.name + " (" + reference.origin + ")";
+  std::vector<std::string>& lines = keeper->lines_;
+  if (std::ranges::find(lines, line) == lines.end()) lines.push_back(std::move(line));
 }
 
 std::string_view mark_of(const Reference& reference) {

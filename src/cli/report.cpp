@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "catalogue/paths.hpp"
+#include "catalogue/self_converged.hpp"
 #include "catalogue/versions.hpp"
 #include "cli/bench.hpp"
 #include "cli/commands.hpp"
@@ -78,7 +79,9 @@ Runs run_scenarios(Laboratory& laboratory, const ReportOptions& options) {
       }
     }
     settings.about += suspects;
-    runs.files.push_back({name + ", errors, energy drift and impacts", {name + "/summary.csv"}});
+    const std::string_view mark = catalogue::mark_of(laboratory.evaluator(name).reference());
+    const std::string against = mark.empty() ? "" : " (" + std::string(mark) + ": against ODE's own limit)";
+    runs.files.push_back({name + ", errors" + against + ", energy drift and impacts", {name + "/summary.csv"}});
     runs.files.push_back(std::move(traces));
     runs.files.push_back(std::move(settings));
   }

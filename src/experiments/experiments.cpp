@@ -1,8 +1,10 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 
+#include "catalogue/self_converged.hpp"
 #include "experiments/all.hpp"
 
 namespace odeval::experiments {
@@ -69,15 +71,25 @@ std::string suspects_text(const std::vector<std::string>& suspects) {
   return text + (suspects.size() > most ? "; and others." : ".");
 }
 
+/// What stands below a section with numbers that nobody but ODE itself knows the truth of.
+std::string own_limits_text(const std::vector<std::string>& lines) {
+  return fmt::format(
+      "{}: in the tables and figures of this section the numbers of what follows are measured against ODE's "
+      "own limit, for want of another reference: {}.",
+      self_converged_origin, fmt::join(lines, "; "));
+}
+
 }  // namespace
 
 std::span<const Experiment> experiments() { return table; }
 
 report::Section section_of(const Experiment& experiment, Laboratory& laboratory, report::Findings& findings) {
   const catalogue::Suspects suspects;
+  const catalogue::OwnLimits own_limits;
   report::Section section =
       report::section_of(std::string(experiment.name), experiment.prose, experiment.run(laboratory, findings));
   if (!suspects.lines().empty()) section.blocks.emplace_back(report::Text{suspects_text(suspects.lines())});
+  if (!own_limits.lines().empty()) section.blocks.emplace_back(report::Text{own_limits_text(own_limits.lines())});
   return section;
 }
 

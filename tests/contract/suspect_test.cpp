@@ -1,5 +1,5 @@
 // ODE's own messages: counted run by run, the first one's text kept, and told below the section of the page that shows
-// the run, whether the section did it or somebody before.
+// the run, whether the section did it or somebody before. Likewise where the reference is ODE's own limit.
 #include "catalogue/paths.hpp"
 #include "experiments/experiment.hpp"
 #include "model/find_scenario.hpp"
@@ -27,6 +27,29 @@ report::Content shows_a_slide(Laboratory& laboratory, report::Findings&) {
 }
 report::Content shows_none(Laboratory& laboratory, report::Findings&) {
   laboratory.run("friction_slide", "analytic");
+  return {};
+}
+
+/// A box on a horizontal rail, which a floor below carries as well and brakes: nobody but ODE knows how.
+Scenario braked(const std::string& name) {
+  Scenario scenario;
+  scenario.name = scenario.file = name;
+  scenario.named = true;
+  scenario.duration_s = 0.1;
+  scenario.mechanism.bodies = {{.shape = Box{{0.2, 0.2, 0.2}},
+                                .mass_kg = 2,
+                                .position_m = {0, 0, 0.1},
+                                .velocity_m_s = {1, 0, 0},
+                                .name = "box"},
+                               {.shape = Sphere{0.1}, .mass_kg = 1, .position_m = {0, 3, 0}, .name = "bob"}};
+  scenario.mechanism.joints = {{.kind = HingeJoint{{0, 3, 1}, {1, 0, 0}}, .first = 1, .second = {}}};
+  scenario.mechanism.obstacles = {{HalfSpace{}, "floor"}};
+  scenario.mechanism.contacts = {{.friction = Friction{0.2}, .first = "box", .second = "floor"}};
+  scenario.ode.cfm = 1e-7;
+  return scenario;
+}
+report::Content shows_what_rubs(Laboratory& laboratory, report::Findings&) {
+  laboratory.evaluator("rubs").reference();
   return {};
 }
 
@@ -68,5 +91,16 @@ int main() {
   CHECK_EQUAL(section(shows_a_slide), told);
   CHECK_EQUAL(section(shows_none), "");
   CHECK_EQUAL(section(shows_a_slide), told);  // of the run that was kept
+
+  Laboratory own(braked);
+  const auto words = [&](auto run) {
+    return last_words(experiments::section_of({"own", "# Own\n", run}, own, findings));
+  };
+  for (int k = 0; k < 2; ++k) {  // of the section that has the reference solved, and of the next
+    const std::string limit = words(shows_what_rubs);
+    CHECK(begins(limit, "self-converged: in the tables and figures of this section the numbers of what follows are "));
+    CHECK(limit.find("reference: rubs (self-converged: dWorldStep's own limit") != std::string::npos);
+  }
+  CHECK_EQUAL(section(shows_none), "");
   return test::verdict();
 }
