@@ -266,6 +266,35 @@ void check_pressed_in(int links, double friction, double by) {
   CHECK_BETWEEN(world.energy() - before, -HUGE_VAL, links * g * by * (1 + 1e-3));
 }
 
+/// A geom of the world that the program lifts takes along what rests on it.
+void check_lifted_ground(int links, double friction, double by) {
+  constexpr double h = 1e-3, thick = 1;
+  World world;
+  dBodyID before = nullptr;
+  for (int i = 0; i < links; ++i) {
+    const dBodyID link = world.box(1, {0.4, 0.1, 0.1}, {0.2 + 0.4 * i, 0, 0.055});
+    if (before != nullptr) world.hinge(link, before, {0.4 * i, 0, 0.055}, {0, 1, 0});
+    before = link;
+  }
+  const dGeomID ground = dCreateBox(world.space, 10, 10, thick);
+  dGeomSetPosition(ground, 0, 0, -thick / 2);
+  AccurateStep step(world.id, world.space, rubbing(friction));
+  for (double t = 0; t < 1; t += h) step(h);
+  const double rested = dBodyGetPosition(before)[2];
+  const std::size_t crowded = step.crowded_steps();
+  constexpr int steps = 50;
+  for (int n = 1; n <= steps; ++n) {
+    dGeomSetPosition(ground, 0, 0, n * by - thick / 2);
+    step(h);
+  }
+  for (int n = 0; n < 3; ++n) step(h);
+  const double off = dBodyGetPosition(before)[2] - rested - steps * by;
+  std::printf("ground lifted by %g m a step, %d links, friction %g: %.2g m off, %zu steps crowded\n", by, links,
+              friction, off, step.crowded_steps() - crowded);
+  CHECK_NEAR(off, 0, 2e-9);  // as deep as what rests, and as much again
+  CHECK_EQUAL(step.crowded_steps(), crowded);
+}
+
 }  // namespace
 
 int main() {
@@ -286,6 +315,7 @@ int main() {
   for (const int links : {1, 2, 3}) {
     for (const double friction : {0.0, 0.5}) {
       for (const double by : {1e-8, 1e-7, 1e-6}) check_pressed_in(links, friction, by);
+      for (const double by : {3e-9, 1e-7, 1e-5}) check_lifted_ground(links, friction, by);
     }
   }
   return odeval::test::verdict();

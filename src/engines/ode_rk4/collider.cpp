@@ -25,9 +25,31 @@ double reach(dSpaceID space) {
   return smallest;
 }
 
+void survey(dSpaceID space, std::vector<double>& ground) {
+  for (int i = 0; i < dSpaceGetNumGeoms(space); ++i) {
+    const dGeomID geom = dSpaceGetGeom(space, i);
+    if (dGeomIsSpace(geom) != 0) {
+      survey(reinterpret_cast<dSpaceID>(geom), ground);
+    } else if (dGeomGetBody(geom) == nullptr) {
+      dReal found[6]{};
+      if (dGeomGetClass(geom) == dPlaneClass) {
+        dGeomPlaneGetParams(geom, found);
+      } else {
+        dGeomGetAABB(geom, found);
+      }
+      ground.insert(ground.end(), found, found + 6);
+    }
+  }
+}
+
 }  // namespace
 
 Collider::Collider(dSpaceID space, Ask ask) : space_(space), ask_(std::move(ask)) {}
+
+void Collider::survey_ground(std::vector<double>& ground) const {
+  ground.clear();
+  if (space_ != nullptr && ask_) survey(space_, ground);
+}
 
 void Collider::look(const Mechanism& mechanism, const State& state, std::vector<Contact>& contacts) {
   contacts.clear();

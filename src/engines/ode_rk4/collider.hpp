@@ -27,6 +27,9 @@ class Collider {
   /// of ODE's lock and may throw.
   void look(const Mechanism& mechanism, const State& state, std::vector<Contact>& contacts);
 
+  /// Where geoms of the world are and how large: bounds, and of planes what they are. Numbers to compare with others.
+  void survey_ground(std::vector<double>& ground) const;
+
  private:
   void pair_up(dSpaceID space);  // of its geoms and of those in spaces within, into pairs_
   static void near(void* pairs, dGeomID one, dGeomID other);

@@ -19,10 +19,10 @@ constexpr int most_changes = 20;           // of motors in one step; after that 
 constexpr double time_rounding = 1e-15;    // of what is left of the step
 constexpr double beyond_rounding = 1e-14;  // of a motor's limit or velocity
 constexpr double almost = 0.95;
-constexpr int most_splits = 4;           // of a step where something comes to stick
-constexpr double moment = 1e-4;          // of a step, at which what sticks comes to slip
-constexpr double put_elsewhere = 1e-12;  // of a quaternion: ODE makes it a unit one, to rounding
-constexpr int most_finds = 3;            // of footholds in a step: what comes to rest more often stands nowhere
+constexpr int most_splits = 4;       // of a step where something comes to stick
+constexpr double moment = 1e-4;      // of a step, at which what sticks comes to slip
+constexpr double same_turn = 1e-12;  // of a quaternion: ODE makes it a unit one, to rounding
+constexpr int most_finds = 3;        // of footholds in a step: what comes to rest more often stands nowhere
 
 }  // namespace
 
@@ -43,7 +43,13 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
   here_ = state;
   try {
     if (fresh) begin();
-    if (!fresh && collider_.works(motion_.mechanism()) && moved_since(here_)) allow_lift();
+    if (collider_.works(motion_.mechanism())) {
+      collider_.survey_ground(ground_);
+      if (!fresh && (ground_ != ground_then_ || put_elsewhere(here_))) {
+        footholds_.reset();
+        allow_lift();
+      }
+    }
     const double lift = taken_;
     fly(h);
     const bool keeps = collider_.works(motion_.mechanism()) && conservative();
@@ -68,7 +74,10 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
   if (crowded_ > 0 && !renewed_) --crowded_;
   quiet_ = touches_.empty() && crowded_ == 0 ? std::min(quiet_ + 1, calm_steps) : 0;
   std::swap(state, there_);
-  if (collider_.works(motion_.mechanism())) left_ = state;
+  if (collider_.works(motion_.mechanism())) {
+    left_ = state;
+    std::swap(ground_then_, ground_);
+  }
 }
 
 /// Joints are closed, and what overlaps may be lifted out of it.
@@ -78,10 +87,10 @@ void Flight::begin() {
 }
 
 /// Has the program put a body elsewhere since the last step?
-bool Flight::moved_since(const State& state) const {
+bool Flight::put_elsewhere(const State& state) const {
   for (std::size_t i = 0; i < left_.size(); ++i) {
     const Pose &now = state[i].pose, &then = left_[i].pose;
-    if (now.position != then.position || (now.turn - then.turn).norm() > put_elsewhere) return true;
+    if (now.position != then.position || (now.turn - then.turn).norm() > same_turn) return true;
   }
   return false;
 }

@@ -64,7 +64,7 @@ class Flight {
   }
 
   void begin();
-  bool moved_since(const State& state) const;
+  bool put_elsewhere(const State& state) const;
   void allow_lift();
   void fly(double h);
   /// Of what came to stick in a step.
@@ -155,16 +155,17 @@ class Flight {
   Collider& collider_;
   const AccurateStepOptions& options_;
   Forces* forces_ = nullptr;
-  State here_;                     // the start of what is left of the step
-  State there_, trial_;            // and where it leads
-  State left_;                     // the end of the last step
-  std::vector<Contact> contacts_;  // of the state last looked at
-  std::vector<Contact> resting_;   // at the end of the last step, and what came to rest since
-  std::vector<Contact> pushing_;   // of those, since `here_`, as they were there
-  std::vector<double> gave_;       // N or N m, by late motors on average in the time held last
-  std::vector<Contact> stopped_;   // their geoms do not bounce any more in this step
-  std::vector<Contact> struck_;    // at `here_`
-  std::vector<Contact> bounced_;   // in this step
+  State here_;                                // the start of what is left of the step
+  State there_, trial_;                       // and where it leads
+  State left_;                                // the end of the last step
+  std::vector<double> ground_, ground_then_;  // Collider::survey_ground, now and in the last step
+  std::vector<Contact> contacts_;             // of the state last looked at
+  std::vector<Contact> resting_;              // at the end of the last step, and what came to rest since
+  std::vector<Contact> pushing_;              // of those, since `here_`, as they were there
+  std::vector<double> gave_;                  // N or N m, by late motors on average in the time held last
+  std::vector<Contact> stopped_;              // their geoms do not bounce any more in this step
+  std::vector<Contact> struck_;               // at `here_`
+  std::vector<Contact> bounced_;              // in this step
   bool all_stopped_ = false;
   std::optional<Footholds> footholds_;  // of what rests and sticks
   bool slipped_ = false;                // it does so no more in this step
