@@ -154,18 +154,6 @@ std::array<double, 6> place(dJointID joint, const PlaceOfKind& kind) {
   return found;
 }
 
-/// Calls `see` with them, until it returns false.
-template <class See>
-bool look_at_places(const Mechanism& mechanism, See&& see) {
-  for (const Joint& joint : mechanism.joints) {
-    const dJointType type = dJointGetType(joint.id);
-    for (const PlaceOfKind& kind : places) {
-      if (kind.type == type && !see(place(joint.id, kind))) return false;
-    }
-  }
-  return true;
-}
-
 }  // namespace
 
 Watch::Watch(dSpaceID space, const Mechanism& mechanism) : geoms_(geoms(space)) {
@@ -175,10 +163,12 @@ Watch::Watch(dSpaceID space, const Mechanism& mechanism) : geoms_(geoms(space)) 
   };
   look_at_bodies(mechanism, note);
   look_at_joints(mechanism, note);
-  look_at_places(mechanism, [this](const std::array<double, 6>& place) {
-    places_.push_back(place);
-    return true;
-  });
+  for (std::size_t j = 0; j < mechanism.joints.size(); ++j) {
+    const dJointID id = mechanism.joints[j].id;
+    for (std::size_t kind = 0; kind < places.size(); ++kind) {
+      if (places[kind].type == dJointGetType(id)) places_.push_back({j, kind, place(id, places[kind])});
+    }
+  }
 }
 
 bool Watch::changed(dSpaceID space, const Mechanism& mechanism) const {
@@ -186,11 +176,11 @@ bool Watch::changed(dSpaceID space, const Mechanism& mechanism) const {
   std::size_t k = 0;
   const auto compare = [&](std::uint64_t number) { return k < seen_.size() && seen_[k++] == number; };
   if (!look_at_bodies(mechanism, compare) || !look_at_joints(mechanism, compare) || k != seen_.size()) return true;
-  auto before = places_.begin();
-  return !look_at_places(mechanism, [&before](const std::array<double, 6>& now) {
+  return !std::ranges::all_of(places_, [&](const Place& before) {  // kinds are as before: joints have been looked at
     // Of turning to and fro, with a wide margin: far less than one would move an anchor.
     constexpr double rounding = 1e-9;
-    return std::ranges::equal(now, *before++, [](double one, double other) {
+    const std::array<double, 6> now = place(mechanism.joints[before.joint].id, places[before.kind]);
+    return std::ranges::equal(now, before.where, [](double one, double other) {
       return std::fabs(one - other) <= rounding * (1 + std::fabs(one));
     });
   });

@@ -16,9 +16,14 @@ class Watch {
   bool changed(dSpaceID space, const Mechanism& mechanism) const;
 
  private:
+  struct Place {
+    std::size_t joint, kind;
+    std::array<double, 6> where;  // anchor and axis, in the frame of the joint's body
+  };
+
   std::uint64_t geoms_;
   std::vector<std::uint64_t> seen_;
-  std::vector<std::array<double, 6>> places_;  // anchor and axis of each joint, in its body's frame
+  std::vector<Place> places_;
 };
 
 }  // namespace odeval::engine_rk4
