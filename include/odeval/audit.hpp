@@ -28,15 +28,19 @@ struct Estimate {
 
 /// The largest until a time, over bodies and over all steps of the program.
 struct ErrorUntil {
-  double t_s = 0;                   // simulated
-  Estimate distance_m;              // of centres of mass
-  Estimate turn_rad;                // of attitudes
-  std::optional<double> order;      // of the larger part; nothing where there is no error
-  std::uint32_t body = 0;           // with the largest distance, from 1 in order of creation
-  std::vector<double> of_runs_m{};  // the same distance of each refined run, in the order of its refinements
+  double t_s = 0;                 // simulated
+  Estimate distance_m;            // of centres of mass
+  Estimate turn_rad;              // of attitudes
+  std::optional<double> order;    // of the larger part; nothing where there is no error
+  std::uint32_t body = 0;         // with the largest distance, from 1 in order of creation
+  std::vector<double> of_runs{};  // of each refined run, in the order of its refinements; m, or rad where turned()
 
   /// Share of the one below which the other says nothing, a metre counted as a radian.
   static constexpr double little = 1e-3;
+  /// Whether next to nothing of the error is a distance: steps and settings are told by the turn then.
+  bool turned() const { return turn_rad.value > Estimate::nothing && distance_m.value < little * turn_rad.value; }
+  /// The part that they are told by.
+  const Estimate& by(bool turn) const { return turn ? turn_rad : distance_m; }
   /// Of the worse part; one of which there is next to nothing, a metre counted as a radian, says nothing.
   Convergence convergence() const {
     const double distance = distance_m.value + distance_m.uncertainty;
@@ -55,9 +59,9 @@ struct BodyError {
   Estimate turn_rad;       // of its attitude
 };
 
-/// The largest step, up to the program's own, that keeps a distance from the limit.
+/// The largest step, up to the program's own, that keeps an error.
 struct StepFor {
-  double distance_m = 0;      // that it keeps, uncertainty and all
+  double error = 0;           // that it keeps, uncertainty and all; m, or rad where Answer::by_turn
   std::optional<double> h_s;  // nothing: smaller than the finest that was tried, and how much can not be told
 };
 
@@ -74,13 +78,13 @@ struct ProgramRun {
 
 /// The program with another setting, at its own step.
 struct Tried {
-  std::string set;  // "erp=0.8"
-  std::vector<Estimate>
-      distance_m{};     // from the limit, at the times of Answer::error_at until tried_at; no number: ended by then
-  double cpu = 0;       // time of a step within ODE, over that of the unchanged run: as it was measured
-  double work = 0;      // of the solver over that of the unchanged run, as it was counted; NaN: not known
-  bool is_own = false;  // the run is the unchanged one to the bit
-  bool asked = false;   // for by the user
+  std::string set;                // "erp=0.8"
+  std::vector<Estimate> error{};  // m, or rad where Answer::by_turn; at the times of Answer::error_at until tried_at;
+                                  // no number: ended by then
+  double cpu = 0;                 // time of a step within ODE, over that of the unchanged run: as it was measured
+  double work = 0;                // of the solver over that of the unchanged run, as it was counted; NaN: not known
+  bool is_own = false;            // the run is the unchanged one to the bit
+  bool asked = false;             // for by the user
 };
 
 /// What the solvers have to do in the unchanged run: rows of joints and contacts, weighted by what they were measured
@@ -225,6 +229,7 @@ struct Answer {
   std::optional<double> growth;          // of a distance of starts, the most
   std::optional<double> chaos_from_s;    // where starts that were moved are apart by as much as the error
   bool flies_apart = false;              // starts that were moved, far beyond where a finer step takes them
+  bool by_turn = false;                  // steps_for, tried and the worst body: next to nothing is a distance
   std::uint32_t worst_body = 0;          // that is farthest off until the time of steps_for
   double worst_t_s = 0;                  // when it was
   std::size_t limit_degree = 0;          // of the polynomial in the step that the limit is from, until then
@@ -234,7 +239,8 @@ struct Answer {
   std::vector<Tried> tried;
   std::size_t tried_at = 0;          // of error_at: told_at, or the last before it that a long run has early
   std::optional<double> softness_m;  // how far a run that holds numbers in the place of springs is from the limit, at
-                                     // the refinement of which the same run with springs is `softness_of_step_m` off
+                                     // the refinement of which the same run with springs is `softness_of_step_m` off;
+                                     // nothing where by_turn
   double softness_of_step_m = 0;
   Energy energy;
   Work work{};  // until the end of the unchanged run

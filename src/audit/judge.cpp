@@ -53,6 +53,15 @@ constexpr double most_kept_rad = 2;
 struct Part {
   Spread spread;
   Bends bends{};
+  double grown = 0;      // its error, when that last grew by a hundredth
+  double grown_t_s = 0;  // then
+
+  void follow(double t) {
+    const double error = spread.off(0, spread.limit());
+    if (grown > 0 ? error <= 1.01 * grown : error == 0) return;
+    grown = error;
+    grown_t_s = t;
+  }
 };
 
 /// A body, from its start in the unchanged run.
@@ -63,8 +72,6 @@ struct Followed {
   double way_m = 0;                // from there, the farthest
   std::array<double, 3> turned{};  // rad, the sum of its turns, which goes on where an attitude comes back
   double most_turned = 0;          // rad, of that, or from its first attitude
-  double grown_m = 0;              // its error, when that last grew by a hundredth
-  double grown_t_s = 0;            // then
   Loss of_place{least_lost_m, HUGE_VAL};
   Loss of_attitude{least_lost_rad, most_kept_rad};
   BodyError before{};  // at the last time of the report
@@ -92,7 +99,7 @@ class Judge {
     }
     sum_up();
     std::vector<LimitOf> limits;
-    for (const ReportRow& row : report_.rows()) limits.push_back(row.limit);
+    for (const ReportRow& row : report_.rows()) limits.push_back(answer_.by_turn ? row.limit_of_turn : row.limit);
     return limits;
   }
 
@@ -175,10 +182,8 @@ class Judge {
   void follow_error(Followed& its, double t) {
     its.of_place.add(t, size_of(its.place), its.way_m);
     its.of_attitude.add(t, size_of(its.attitude), its.most_turned);
-    const double error = its.place.spread.off(0, its.place.spread.limit());
-    if (its.grown_m > 0 ? error <= 1.01 * its.grown_m : error == 0) return;
-    its.grown_m = error;
-    its.grown_t_s = t;
+    its.place.follow(t);
+    its.attitude.follow(t);
   }
 
   void take_moved(const Moment& own) {
@@ -229,7 +234,6 @@ class Judge {
   struct Farthest {
     std::uint32_t body = 0;  // from 1
     const Part* part;
-    double grown_t_s = 0;  // when its distance last grew
   };
   Farthest farthest(Part Followed::*part) const {
     double size = 0;
@@ -239,7 +243,7 @@ class Judge {
     for (const auto& [body, followed] : of_body_) {
       if (its.body != 0 && body + 1 > its.body) continue;
       if (larger_of(estimate(followed.*part)) < but_for_rounding * size) continue;
-      its = {body + 1, &(followed.*part), followed.grown_t_s};
+      its = {body + 1, &(followed.*part)};
     }
     return its;
   }
@@ -275,26 +279,28 @@ class Judge {
     ReportRow row;
     for (std::size_t run = 0; run < runs_.size(); ++run) {
       row.runs_m.push_back(largest(placed, &Followed::place, all_.distance, run));
-      if (before != nullptr) raise(row.runs_m.back(), before->runs_m[run]);
+      row.runs_rad.push_back(as_turn(largest(turned, &Followed::attitude, all_.turn, run)));
+      if (before == nullptr) continue;
+      raise(row.runs_m.back(), before->runs_m[run]);
+      raise(row.runs_rad.back(), before->runs_rad[run]);
     }
     ErrorUntil& error = row.error;
     error.t_s = t;
     error.distance_m = row.runs_m.front();
-    error.turn_rad = as_turn(largest(turned, &Followed::attitude, all_.turn));
-    if (before != nullptr) raise(error.turn_rad, before->error.turn_rad);
+    error.turn_rad = row.runs_rad.front();
     // Where bodies touch, one that has no limit takes its attitude, or its place, with it.
     if (touched_ && error.convergence() == Convergence::none) {
       error.distance_m.convergence = error.turn_rad.convergence = Convergence::none;
     }
-    // The turn is what tells only where next to nothing is a distance.
-    const bool rather_turned = error.distance_m.value < ErrorUntil::little * error.turn_rad.value;
-    error.order = (rather_turned ? turned : placed).part->spread.order();
-    error.body = (rather_turned ? turned : placed).body;
-    for (const Estimate& run : row.runs_m) error.of_runs_m.push_back(run.value);
+    const Farthest& worst = error.turned() ? turned : placed;
+    error.order = worst.part->spread.order();
+    error.body = worst.body;
+    for (const Estimate& run : error.turned() ? row.runs_rad : row.runs_m) error.of_runs.push_back(run.value);
     row.limit = {placed.part->spread.best_degree(), error.distance_m.uncertainty, unseen(*placed.part)};
+    row.limit_of_turn = {turned.part->spread.best_degree(), error.turn_rad.uncertainty, unseen(*turned.part)};
     row.apart = apart(all_.distance, all_.turn);
-    row.worst_body = placed.body;
-    row.worst_t_s = placed.grown_t_s;
+    row.worst_body = worst.body;
+    row.worst_t_s = worst.part->grown_t_s;
     for (auto& [body, followed] : of_body_) row.bodies.push_back(of_body(t, body, followed));
     report_.add(std::move(row));
   }
@@ -364,7 +370,9 @@ class Judge {
     const ReportRow& last = report_.rows()[answer_.told_at];
     answer_.steps_for_t_s = last.error.t_s;
     // Where there is no limit, the finest run is the best there is.
-    if (last.error.convergence() != Convergence::none) answer_.limit_degree = last.limit.degree;
+    answer_.by_turn = last.error.turned();
+    const LimitOf& limit = answer_.by_turn ? last.limit_of_turn : last.limit;
+    if (last.error.convergence() != Convergence::none) answer_.limit_degree = limit.degree;
     answer_.worst_body = last.worst_body;
     answer_.worst_t_s = last.worst_t_s;
     for (const double wanted : {1e-3, 1e-2, 1e-1}) answer_.steps_for.push_back({wanted, step_for(last, wanted)});
@@ -374,7 +382,7 @@ class Judge {
     if (row.error.convergence() == Convergence::none) return std::nullopt;
     std::vector<StepError> runs;
     for (std::size_t run = 0; run < runs_.size(); ++run) {
-      const Estimate& error = row.runs_m[run];
+      const Estimate& error = (answer_.by_turn ? row.runs_rad : row.runs_m)[run];
       runs.push_back({answer_.h_s / records_.refinements[run], error.value + error.uncertainty});
     }
     const bool settled = row.error.convergence() == Convergence::settled;

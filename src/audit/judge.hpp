@@ -32,15 +32,15 @@ void describe(const std::filesystem::path& unchanged, Answer& answer);
 /// Calls `take` with each step of a run.
 void each_step(const std::filesystem::path& record, const std::function<void(const StepRow&)>& take);
 
-/// The limit that a row of the answer is from.
+/// The limit that a row of the answer is from, of places in m, of attitudes in rad.
 struct LimitOf {
   std::size_t degree = 0;
-  double uncertainty_m = 0;
-  double unseen_m = 0;  // of that
+  double uncertainty = 0;
+  double unseen = 0;  // of that
 };
 
 /// Errors, order, horizon, steps. Refined runs are compared as far as all of them go and have the same bodies. Returns
-/// the limit of each of Answer::error_at.
+/// the limit of each of Answer::error_at, by which those that were tried are told.
 std::vector<LimitOf> judge(const Records& records, Answer& answer);
 
 /// How far those that were tried, and the one with numbers, are from the limit, until Answer::tried_at: beyond,

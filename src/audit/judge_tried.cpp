@@ -1,5 +1,6 @@
 // Settings in the place of the program's own: how far from the limit do they take it, and what do they cost?
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -119,13 +120,25 @@ class TriedJudge {
     }
     for (std::size_t i = 0; i < own.bodies.size(); ++i) {
       values_.clear();
-      for (const Moment& moment : moments_) {
-        values_.insert(values_.end(), moment.bodies[i].position, moment.bodies[i].position + 3);
-      }
+      for (const Moment& moment : moments_) add(moment.bodies[i], own.bodies[i]);
       for (const Moment* moment : of_others_) {
-        for (std::size_t k = 0; k < 3; ++k) values_.push_back(moment != nullptr ? moment->bodies[i].position[k] : NAN);
+        if (moment != nullptr) {
+          add(moment->bodies[i], own.bodies[i]);
+        } else {
+          values_.insert(values_.end(), components(), NAN);
+        }
       }
-      all_.add(values_.data(), 3, 1);
+      all_.add(values_.data(), components(), answer_.by_turn ? 2 : 1);  // a turn is twice the distance of quaternions
+    }
+  }
+
+  std::size_t components() const { return answer_.by_turn ? 4 : 3; }
+  void add(const BodySample& body, const BodySample& own) {
+    if (answer_.by_turn) {
+      const std::array<double, 4> quaternion = nearer(body.quaternion, own.quaternion);
+      values_.insert(values_.end(), quaternion.begin(), quaternion.end());
+    } else {
+      values_.insert(values_.end(), body.position, body.position + 3);
     }
   }
 
@@ -137,14 +150,14 @@ class TriedJudge {
     const bool has_limit = answer_.error_at[reports_].convergence() != Convergence::none;
     const LimitOf& limit = limits_[reports_++];
     const auto error = [&](std::size_t run) {
-      Estimate its{all_.off(run, {limit.degree, limit.uncertainty_m}), limit.uncertainty_m, Convergence::none};
-      if (has_limit) its.convergence = all_.convergence(its, limit.unseen_m);
+      Estimate its{all_.off(run, {limit.degree, limit.uncertainty}), limit.uncertainty, Convergence::none};
+      if (has_limit) its.convergence = all_.convergence(its, limit.unseen);
       return its;
     };
     for (std::size_t i = 0; i < answer_.tried.size(); ++i) {
-      answer_.tried[i].distance_m.push_back(error(runs_.size() + i));
+      answer_.tried[i].error.push_back(error(runs_.size() + i));
     }
-    if (!records_.with_numbers) return;
+    if (!records_.with_numbers || answer_.by_turn) return;
     answer_.softness_m = error(runs_.size() + answer_.tried.size()).value;
     answer_.softness_of_step_m = error(1).value;
   }

@@ -67,8 +67,11 @@ void Report::widen_after_loss() {
       turn = as_turn(turn);
     };
     widen_both(row.error.distance_m, row.error.turn_rad, row.apart);
-    row.limit.uncertainty_m = row.error.distance_m.uncertainty;
-    for (Estimate& run : row.runs_m) widen(run, row.apart.place_m);
+    row.limit.uncertainty = row.error.distance_m.uncertainty;
+    row.limit_of_turn.uncertainty = row.error.turn_rad.uncertainty;
+    for (std::size_t run = 0; run < row.runs_m.size(); ++run) {
+      widen_both(row.runs_m[run], row.runs_rad[run], row.apart);
+    }
     for (auto& [body, apart] : row.bodies) widen_both(body.distance_m, body.turn_rad, apart);
   }
 }

@@ -19,10 +19,12 @@ struct Apart {
 /// Of all bodies, and of each, until a time.
 struct ReportRow {
   ErrorUntil error;
-  std::vector<Estimate> runs_m;  // of each refined run
+  std::vector<Estimate> runs_m;    // of each refined run
+  std::vector<Estimate> runs_rad;  // likewise, its turn
   LimitOf limit;
+  LimitOf limit_of_turn;
   Apart apart;
-  std::uint32_t worst_body = 0;  // that is farthest off
+  std::uint32_t worst_body = 0;  // that is farthest off, or turned farthest where that is all of the error
   double worst_t_s = 0;          // when it was
   std::vector<std::pair<BodyError, Apart>> bodies{};
 };

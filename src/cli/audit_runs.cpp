@@ -20,6 +20,7 @@
 #include "cli/audit_scratch.hpp"
 #include "cli/progress.hpp"
 #include "cli/readable.hpp"
+#include "cli/run_files.hpp"
 #include "cli/settings.hpp"
 #include "odeval/audit.hpp"
 #include "odeval/error.hpp"
@@ -35,6 +36,8 @@ namespace {
 namespace fs = std::filesystem;
 using audit::Answer;
 using audit::Recording;
+
+fs::path folder_of(const AuditOptions& options) { return fs::path(options.out) / "audit"; }
 
 constexpr double moved_by_m = 1e-10;
 constexpr const char* accurately = "stepper=accurate";
@@ -66,8 +69,7 @@ class Audit {
   }
 
   void write(const Answer& answer) const {
-    const fs::path folder = fs::path(options_.out) / "audit";
-    make_folder(folder);
+    const fs::path folder = folder_of(options_);
     std::future<void> steps = std::async(std::launch::async, [&] { write_steps(folder / "steps.csv"); });
     write_whole(folder / "answer.json", audit_json(answer));
     fs::remove(folder / "film.png");  // of an audit before
@@ -301,7 +303,8 @@ class Audit {
     if (answer.diverged && answer.diverged->step <= 1) {
       return body_name(answer, answer.diverged->body) + " is no finite number from the first step on";
     }
-    if (answer.h_s == 0) return "it took no step of an ODE in a shared library";
+    if (answer.h_s == 0)
+      return "it took no step of an ODE in a shared library (what accurate_step takes is none of ODE's)";
     if (answer.parting) {
       const std::string what = "a program that does not repeat can not be told from one that is wrong; ";
       if (Recording(scratch_.record(0)).has(audit::pool_of_threads)) {
@@ -465,6 +468,7 @@ class Audit {
 }  // namespace
 
 int run_audit(const AuditOptions& options) {
+  const ResultFolder folder(folder_of(options));  // before the runs, which may take long
   Answer answer;
   Audit audit(options);
   if (const int signal = audit.run(answer)) {
@@ -479,7 +483,7 @@ int run_audit(const AuditOptions& options) {
   }
   audit.write(answer);
   if (!options.json && !options.quiet) {
-    std::cout << "\nwrote " << (fs::path(options.out) / "audit" / "index.html").string() << "\n";
+    std::cout << "\nwrote " << (folder_of(options) / "index.html").string() << "\n";
   }
   return answer.reason.empty() && !answer.diverged ? 0 : 1;
 }

@@ -109,15 +109,17 @@ std::string lost_text(const Answer& answer) {
 }
 
 const audit::Tried* cheapest(const Answer& answer) {
-  const double own = answer.error_at[answer.tried_at].distance_m.value;
+  const double own = answer.error_at[answer.tried_at].by(answer.by_turn).value;
   const audit::Tried* best = nullptr;
   for (const audit::Tried& one : answer.tried) {
-    const Estimate& error = one.distance_m[answer.tried_at];
+    const Estimate& error = one.error[answer.tried_at];
     const bool keeps = error.value <= 1.1 * own && error.convergence != Convergence::none;
     if (keeps && one.work < (best != nullptr ? best->work : 0.95)) best = &one;
   }
   return best;
 }
+
+const char* unit(const Answer& answer) { return answer.by_turn ? "rad" : "m"; }
 
 std::string most_text(const Estimate& error) {
   const double most = error.value + error.uncertainty;
@@ -225,7 +227,10 @@ std::string verdict_line(const Answer& answer) {
       text.replace(text.find("the runs"), 8, "the " + part);
     words.push_back(fmt::format("until {:.3g} s {}: nothing is extrapolated there", none->t_s, text));
     const bool is_chaos = answer.chaos_from_s && *answer.chaos_from_s <= none->t_s;
-    if (!is_chaos && finest(answer) < 1024) words.back() += ", and finer ones may do (" + finer_runs(answer) + ")";
+    if (!is_chaos && finest(answer) < 1024) {
+      const char* or_not = stiff_contacts(answer) ? ", or bring out how soft its contacts are" : "";
+      words.back() += fmt::format(", and finer ones may do{} ({})", or_not, finer_runs(answer));
+    }
   }
   const bool is_lost = answer.lost_at_s && *answer.lost_at_s < answer.until_s;
   if (is_lost && !(answer.chaos_from_s && *answer.chaos_from_s <= *answer.lost_at_s)) {
@@ -257,20 +262,24 @@ std::string steps_line(const Answer& answer) {
   if (!has_limit(answer, answer.told_at))
     return "none is told, nor what other settings leave: there is no limit to hold them against";
   std::vector<std::string> words;
-  std::vector<std::string> finer;  // distances that no run is known to keep
+  std::vector<std::string> finer;  // errors that no run is known to keep
   for (const audit::StepFor& one : answer.steps_for) {
-    const std::string distance = one.distance_m < 9e-3 ? "1 mm" : one.distance_m < 9e-2 ? "1 cm" : "10 cm";
+    const std::string size = answer.by_turn     ? fmt::format("{:g} mrad", 1e3 * one.error)
+                             : one.error < 9e-3 ? "1 mm"
+                             : one.error < 9e-2 ? "1 cm"
+                                                : "10 cm";
     if (!one.h_s) {
-      finer.push_back(distance);
+      finer.push_back(size);
     } else {
-      words.push_back(distance + ": " + (*one.h_s >= answer.h_s ? "this one" : fmt::format("{:.2g} s", *one.h_s)));
+      words.push_back(size + ": " + (*one.h_s >= answer.h_s ? "this one" : fmt::format("{:.2g} s", *one.h_s)));
     }
   }
   if (!finer.empty()) {
     words.insert(words.begin(), fmt::format("{}: none down to {:.2g} s is known to keep it", fmt::join(finer, ", of "),
                                             answer.h_s / finest(answer)));
   }
-  return fmt::format("for an error until {:.3g} s of {}", answer.steps_for_t_s, fmt::join(words, ", of "));
+  return fmt::format("for {} until {:.3g} s of {}", answer.by_turn ? "a turn" : "an error", answer.steps_for_t_s,
+                     fmt::join(words, ", of "));
 }
 
 /// What the user asked for, where nothing can be told of it.
@@ -287,26 +296,26 @@ std::string asked_in_vain(const Answer& answer) {
 std::string tried_line(const Answer& answer) {
   std::vector<const audit::Tried*> order;
   for (const audit::Tried& one : answer.tried) {
-    if (one.asked || !std::isnan(one.distance_m[answer.tried_at].value)) order.push_back(&one);
+    if (one.asked || !std::isnan(one.error[answer.tried_at].value)) order.push_back(&one);
   }
-  const auto error = [&](const audit::Tried* one) { return one->distance_m[answer.tried_at].value; };
+  const auto error = [&](const audit::Tried* one) { return one->error[answer.tried_at].value; };
   const auto ended = [&](const audit::Tried* one) { return std::isnan(error(one)); };
   std::ranges::stable_sort(order, [&](const audit::Tried* a, const audit::Tried* b) {
     return ended(a) || ended(b) ? ended(a) < ended(b) : error(a) < error(b);
   });
   if (!has_limit(answer, answer.tried_at)) return asked_in_vain(answer);
   if (order.empty()) return "";
-  const auto shown = [](const Estimate& its) {
-    return (only_bounded(its) ? "at most " + most_text(its) : fmt::format("{:.3g}", its.value)) + " m";
+  const auto shown = [&](const Estimate& its) {
+    return (only_bounded(its) ? "at most " + most_text(its) : fmt::format("{:.3g}", its.value)) + " " + unit(answer);
   };
-  const std::string own = shown(answer.error_at[answer.tried_at].distance_m);
+  const std::string own = shown(answer.error_at[answer.tried_at].by(answer.by_turn));
   std::vector<std::string> words{fmt::format("until {:.3g} s as it is: {}", answer.error_at[answer.tried_at].t_s, own)};
   std::vector<std::string> same;
   std::size_t told = 0;
   for (const audit::Tried* one : order) {
     const std::string text = ended(one)                  ? "has ended before"
                              : one->asked && one->is_own ? "changes nothing"
-                                                         : shown(one->distance_m[answer.tried_at]);
+                                                         : shown(one->error[answer.tried_at]);
     if (text == own && !one->asked) {
       same.push_back(one->set);
     } else if (told++ < most_tried || one->asked) {

@@ -35,6 +35,8 @@ int finest(const audit::Answer& answer);
 /// Of what was tried, that keeps the error within a tenth; null where the program's own settings are as cheap, to a
 /// twentieth.
 const audit::Tried* cheapest(const audit::Answer& answer);
+/// Of what steps and settings are told by: "m", or "rad" where next to nothing of the error is a distance.
+const char* unit(const audit::Answer& answer);
 /// How large it can be, rounded up: "0.6".
 std::string most_text(const audit::Estimate& error);
 

@@ -107,12 +107,13 @@ Json tried_json(const Answer& answer) {
   Json list = Json::array();
   for (const audit::Tried& tried : answer.tried) {
     Json errors = Json::array();
-    for (std::size_t i = 0; i < tried.distance_m.size(); ++i) {
+    for (std::size_t i = 0; i < tried.error.size(); ++i) {
       Json one = {{"t", answer.error_at[i].t_s}};
-      one.update(json_of(tried.distance_m[i]));
+      one.update(json_of(tried.error[i]));
       errors.push_back(std::move(one));
     }
     list.push_back({{"set", tried.set},
+                    {"unit", unit(answer)},
                     {"error_at", std::move(errors)},
                     {"changes_nothing", tried.is_own},
                     {"work_ratio", json_or_null(tried.work)},
@@ -124,13 +125,14 @@ Json tried_json(const Answer& answer) {
 /// What leaves less than half of the error; nothing where nothing does.
 Json recommended_json(const Answer& answer) {
   if (!has_limit(answer, answer.tried_at)) return {};
-  const auto error = [&](const audit::Tried& one) { return one.distance_m[answer.tried_at].value; };
+  const auto error = [&](const audit::Tried& one) { return one.error[answer.tried_at].value; };
   const audit::Tried* best = nullptr;
   for (const audit::Tried& one : answer.tried) {
     if (std::isnan(error(one))) continue;  // it has ended before
     if (best == nullptr || error(one) < error(*best)) best = &one;
   }
-  const bool worth_it = best != nullptr && error(*best) < 0.5 * answer.error_at[answer.tried_at].distance_m.value;
+  const bool worth_it =
+      best != nullptr && error(*best) < 0.5 * answer.error_at[answer.tried_at].by(answer.by_turn).value;
   return worth_it ? Json(best->set) : Json();
 }
 
@@ -189,7 +191,8 @@ std::string audit_json(const Answer& answer) {
   json["error_of_body"] = bodies_json(answer);
   Json steps = Json::array();
   for (const audit::StepFor& one : answer.steps_for) {
-    steps.push_back({{"error", one.distance_m}, {"until", answer.steps_for_t_s}, {"h", json_of(one.h_s)}});
+    steps.push_back(
+        {{"error", one.error}, {"unit", unit(answer)}, {"until", answer.steps_for_t_s}, {"h", json_of(one.h_s)}});
   }
   json["step_for"] = std::move(steps);
   json["settings"] = tried_json(answer);

@@ -87,18 +87,18 @@ Figure errors_over_time(const Answer& answer) {
 
 Figure order(const Answer& answer) {
   const audit::ErrorUntil& until = answer.error_at[answer.told_at];
-  Panel panel{.x_label = "step, s", .y_label = "error, m", .log_x = true, .log_y = true};
+  Panel panel{.x_label = "step, s", .y_label = "error, " + std::string(unit(answer)), .log_x = true, .log_y = true};
   const std::vector<int> all = refinements(answer);
   Series first{.label = "in proportion to the step", .x = {}, .y = {}, .colour = ink, .dashed = true};
-  for (std::size_t run = 0; run < std::min(all.size(), until.of_runs_m.size()); ++run) {
+  for (std::size_t run = 0; run < std::min(all.size(), until.of_runs.size()); ++run) {
     const double step = answer.h_s / all[run];
     panel.series.push_back({.label = run_name(all[run]),
                             .x = {step},
-                            .y = {until.of_runs_m[run]},
+                            .y = {until.of_runs[run]},
                             .mark = Mark::points,
                             .colour = colour_of_run(run)});
     first.x.push_back(step);
-    first.y.push_back(until.of_runs_m.front() / all[run]);
+    first.y.push_back(until.of_runs.front() / all[run]);
   }
   panel.series.push_back(std::move(first));
   return {.name = "order", .panels = {std::move(panel)}};
@@ -117,20 +117,27 @@ Table errors_until(const Answer& answer) {
 }
 
 Table steps_for(const Answer& answer) {
-  Table table{.name = "steps-for", .columns = {"error, m", "step, s"}};
+  Table table{.name = "steps-for", .columns = {answer.by_turn ? "turned, rad" : "error, m", "step, s"}};
   for (const audit::StepFor& one : answer.steps_for) {
-    table.rows.push_back(
-        {one.distance_m, one.h_s ? Cell(*one.h_s) : Missing{"none that was tried is known to keep it"}});
+    table.rows.push_back({one.error, one.h_s ? Cell(*one.h_s) : Missing{"none that was tried is known to keep it"}});
   }
   return table;
 }
 
 Content errors(const Answer& answer) {
+  std::vector<Exhibit> exhibits{order(answer), errors_until(answer), steps_for(answer)};
+  if (answer.by_turn) {
+    exhibits.emplace_back(
+        Lacking{"error-over-time", "next to nothing of it is a distance, and the table tells the turn"});
+  } else {
+    exhibits.emplace_back(errors_over_time(answer));
+  }
   return {{{"step", number(answer.h_s)},
            {"until", number(time(answer.steps_for_t_s))},
+           {"unit", unit(answer)},
            {"no_limit", no_limit_text(answer)},
            {"lost", answer.lost_at_s ? number(*answer.lost_at_s) : ""}},
-          {errors_over_time(answer), order(answer), errors_until(answer), steps_for(answer)}};
+          std::move(exhibits)};
 }
 
 Content bodies(const Answer& answer) {
@@ -138,8 +145,9 @@ Content bodies(const Answer& answer) {
   for (const audit::BodyError& row : answer.error_of_body) {
     if (row.t_s == answer.steps_for_t_s) rows.push_back(&row);
   }
-  std::ranges::stable_sort(rows, std::ranges::greater(),
-                           [](const audit::BodyError* row) { return row->distance_m.value; });
+  std::ranges::stable_sort(rows, std::ranges::greater(), [&](const audit::BodyError* row) {
+    return (answer.by_turn ? row->turn_rad : row->distance_m).value;
+  });
   Table table{.name = "bodies", .columns = {"body", "error, m", "±, m", "turned, rad", "±, rad"}};
   for (const audit::BodyError* row : rows) {
     table.rows.push_back({body_name(answer, row->body), cell(answer, row->distance_m),
@@ -150,12 +158,14 @@ Content bodies(const Answer& answer) {
 }
 
 Content settings(const Answer& answer) {
-  Table table{.name = "settings", .columns = {"setting", "error, m", "±, m", "work", "time"}};
-  Estimate own = answer.error_at[answer.tried_at].distance_m;
+  const bool turned = answer.by_turn;
+  Table table{.name = "settings",
+              .columns = {"setting", turned ? "turned, rad" : "error, m", turned ? "±, rad" : "±, m", "work", "time"}};
+  Estimate own = answer.error_at[answer.tried_at].by(turned);
   if (!has_limit(answer, answer.tried_at)) own.convergence = audit::Convergence::none;
   table.rows.push_back({"as it is", cell(answer, own), uncertainty(answer, own), 1.0, 1.0});
   for (const audit::Tried& tried : answer.tried) {
-    const Estimate& error = tried.distance_m[answer.tried_at];
+    const Estimate& error = tried.error[answer.tried_at];
     table.rows.push_back(
         {tried.set + (tried.is_own ? ", which changes nothing" : ""), cell(answer, error), uncertainty(answer, error),
          std::isnan(tried.work) ? Cell(Missing{"it is not ODE's solver"}) : Cell(tried.work), tried.cpu});
@@ -291,11 +301,15 @@ std::string lead(const Answer& answer) {
   if (row.convergence() == audit::Convergence::none) {
     return fmt::format("Until {} s {}: no error can be told.", number(time(row.t_s)), no_limit_text(answer));
   }
-  const Finding error{"", "m", row.distance_m.value, row.distance_m.uncertainty, ""};
-  const std::string far =
-      only_bounded(row.distance_m) ? "at most " + most_text(row.distance_m) + " m" : "up to " + shown(error);
-  std::string text = fmt::format("Until {} s {} is {} from where it would be at a step of 0.", number(time(row.t_s)),
-                                 body_name(answer, row.body), far);
+  const Estimate& off = row.by(answer.by_turn);
+  const std::string far = only_bounded(off)
+                              ? fmt::format("at most {} {}", most_text(off), unit(answer))
+                              : "up to " + shown(Finding{"", unit(answer), off.value, off.uncertainty, ""});
+  std::string text =
+      fmt::format(fmt::runtime(answer.by_turn ? "Until {} s {} is turned {} from how it would be at a step "
+                                                "of 0; it is where it would be, to a thousandth of that."
+                                              : "Until {} s {} is {} from where it would be at a step of 0."),
+                  number(time(row.t_s)), body_name(answer, row.body), far);
   if (answer.diverged) {
     text += fmt::format(" From {} s on {} is no finite number.", number(answer.diverged->t_s),
                         body_name(answer, answer.diverged->body));

@@ -40,7 +40,7 @@ Answer some_answer() {
                                .turn_rad = {0.02, 1e-4, convergence},
                                .order = 1.0,
                                .body = 2,
-                               .of_runs_m = {0.0125, 0.0062, 0.003}});
+                               .of_runs = {0.0125, 0.0062, 0.003}});
     answer.error_of_body.push_back({t, 2, {0.0125, 1e-4, convergence}, {0.02, 1e-4, convergence}});
   }
   answer.lost_at_s = 1.5;
@@ -49,7 +49,7 @@ Answer some_answer() {
   answer.steps_for_t_s = 1;
   answer.steps_for = {{1e-3, std::nullopt}, {1e-1, 0.001}};
   answer.tried.push_back({.set = "erp=0.8",
-                          .distance_m = {{0.01, 1e-4, Convergence::settled}, {NAN, NAN, Convergence::none}},
+                          .error = {{0.01, 1e-4, Convergence::settled}, {NAN, NAN, Convergence::none}},
                           .cpu = 1.1,
                           .work = 1});
   for (int i = 0; i <= 20; ++i) {
@@ -126,7 +126,7 @@ void says_no_more_than_is_known() {
   answer.steps_for = {{1e-3, std::nullopt}, {1e-2, std::nullopt}, {1e-1, 0.001}};
   const auto tried = [&answer](const char* set, double error, bool asked) {
     const audit::Estimate its{error, 1e-4, Convergence::settled};
-    answer.tried.push_back({.set = set, .distance_m = {its, its}, .cpu = 1, .work = 1, .asked = asked});
+    answer.tried.push_back({.set = set, .error = {its, its}, .cpu = 1, .work = 1, .asked = asked});
   };
   tried("w=1", 0.012503, false);
   tried("w=1.5", 0.012497, false);
@@ -219,7 +219,7 @@ void holds_nothing_against_no_limit() {
   Answer answer = some_answer();
   for (audit::ErrorUntil& row : answer.error_at)
     row.distance_m.convergence = row.turn_rad.convergence = Convergence::none;
-  answer.tried.push_back({.set = "w=1", .distance_m = {{0.01, 1e-4, Convergence::none}}, .asked = true});
+  answer.tried.push_back({.set = "w=1", .error = {{0.01, 1e-4, Convergence::none}}, .asked = true});
   CHECK_EQUAL(line_of(answer, "settings"), "w=1: there is no limit to hold them against");
   CHECK(has(line_of(answer, "step"), "none is told"));
   CHECK(!has(line_of(answer, "settings"), "erp=0.8"));
@@ -238,7 +238,7 @@ void leaves_rounding_out() {
   CHECK(has(audit_text(answer), "below 1e-09") && !has(audit_text(answer), "± 0 "));
   answer.bodies_made = 7;
   CHECK(has(audit_text(answer), "; 7 bodies, 2 at a time, 1 joint; "));
-  answer.tried.push_back({.set = "cfm=0", .distance_m = {{1, 0, Convergence::settled}}, .is_own = true, .asked = true});
+  answer.tried.push_back({.set = "cfm=0", .error = {{1, 0, Convergence::settled}}, .is_own = true, .asked = true});
   answer.error_at[0].distance_m = {0.1, 0, Convergence::settled};
   CHECK(has(line_of(answer, "settings"), "cfm=0: changes nothing"));
 }

@@ -165,8 +165,8 @@ void what_breaks_early_is_told_until_then() {
   for (const ErrorUntil& row : answer.error_at) {
     if (row.t_s > 0.4) CHECK(row.convergence() != Convergence::settled);
   }
-  CHECK_EQUAL(answer.tried.front().distance_m.size(), answer.tried_at + 1);
-  CHECK(answer.tried.front().distance_m.back().convergence == Convergence::settled);
+  CHECK_EQUAL(answer.tried.front().error.size(), answer.tried_at + 1);
+  CHECK(answer.tried.front().error.back().convergence == Convergence::settled);
 }
 
 // Without a limit, nothing has one: no later time, no setting, no picture.
@@ -179,7 +179,7 @@ void without_a_limit_nothing_has_one() {
   for (const ErrorUntil& row : answer.error_at) CHECK(row.distance_m.convergence == Convergence::none);
   CHECK(answer.error_at.size() >= 3);
   for (const BodyError& row : answer.error_of_body) CHECK(row.distance_m.convergence == Convergence::none);
-  CHECK(answer.tried.front().distance_m.back().convergence == Convergence::none);
+  CHECK(answer.tried.front().error.back().convergence == Convergence::none);
   CHECK_EQUAL(answer.limit_degree, 0U);
   // Where a turn has none, a setting is not held against the place alone, as the program's own is not.
   const Answer turns = judged(
@@ -189,7 +189,36 @@ void without_a_limit_nothing_has_one() {
       0.01, 3);
   CHECK(turns.error_at.front().distance_m.convergence != Convergence::none);
   CHECK(turns.error_at.front().convergence() == Convergence::none);
-  CHECK(turns.tried.front().distance_m.front().convergence == Convergence::none);
+  CHECK(turns.tried.front().error.front().convergence == Convergence::none);
+}
+
+// Where all of the error is a turn, steps, settings and the worst moment are of it.
+void what_only_turns_is_told_by_its_turn() {
+  const Answer turns = judged(
+      [](double t, double h, double) {
+        return std::vector{Seen{1, 5}, Seen{2, 0, t + h * t}};
+      },
+      0.01, 3);
+  CHECK(turns.by_turn);
+  CHECK_EQUAL(turns.worst_body, 2U);
+  CHECK_BETWEEN(turns.worst_t_s, 2.95, 3);  // grown by a hundredth for the last time
+  CHECK(turns.limit_degree >= 1);
+  const auto step = [&](std::size_t which) { return turns.steps_for[which].h_s.value_or(NAN); };
+  CHECK_NEAR(step(0), 1e-3 / 3, 1e-6);  // h t of a radian until 3 s
+  CHECK_NEAR(step(1), 1e-2 / 3, 1e-5);
+  CHECK_NEAR(step(2), 0.01, 1e-12);  // its own
+  const Estimate& tried = turns.tried.front().error.back();
+  CHECK_NEAR(tried.value, 0.03, 1e-6);
+  CHECK(tried.convergence == Convergence::settled);
+  CHECK(!turns.softness_m);
+  // A place that is off by more than a thousandth of it is what counts.
+  const Answer moves = judged(
+      [](double t, double h, double) {
+        return std::vector{Seen{1, 1e-2 * h * t, t + h * t}};
+      },
+      0.01, 3);
+  CHECK(!moves.by_turn);
+  CHECK_NEAR(moves.tried.front().error.back().value, 3e-4, 1e-8);
 }
 
 // Balls that are thrown one after the other: each is farthest off at 0.38 s of its own, the later ones by rounding
@@ -283,6 +312,7 @@ int main() {
   turns_are_lost_likewise();
   what_breaks_early_is_told_until_then();
   without_a_limit_nothing_has_one();
+  what_only_turns_is_told_by_its_turn();
   of_equals_the_first_is_the_worst();
   chaos_is_told_from_steps();
   energies_are_known_as_their_motion_is();
