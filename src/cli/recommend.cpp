@@ -20,6 +20,7 @@
 #include "cli/settings.hpp"
 #include "odeval/error.hpp"
 #include "output/file.hpp"
+#include "output/impacts.hpp"
 #include "output/number.hpp"
 #include "output/recommendation.hpp"
 #include "output/table.hpp"
@@ -98,6 +99,12 @@ std::vector<const TargetFlag*> asked_for(Options& options, const Scenario& scena
     if (!target.flag.given()) continue;
     if (!asked.empty() && asked.front()->id == target.id) {
       throw UserError(target.name + ": is what " + asked.front()->name + " says already");
+    }
+    if (target.id == quantity::max_impact_error && !tells_impacts(scenario)) {
+      throw UserError(fmt::format(
+          "{} {}: has no meaning in '{}', since impacts are told of links at a wall and of a body on a ground, not of "
+          "[[contacts]]; give --max-error E, of which an impact that comes late is a part",
+          target.name, number_text(target.at_most), scenario.name));
     }
     asked.push_back(&target);
   }
