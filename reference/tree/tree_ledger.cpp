@@ -139,6 +139,7 @@ void TreeLedger::follow(TreeMotion& motion, double until) {
 
 // Springs and weights do nothing in no time. What a motor's locating leaves of a speed is the motor's.
 void TreeLedger::pass(const TreeMotion::Change& change) {
+  if (change.passage) return;  // in a time of its own, which is followed as any other
   const double gained = kinetic(change.after) - kinetic(change.before);
   const std::vector<StopStrike> strikes = strikes_at(equations_, change);
   strikes_.insert(strikes_.end(), strikes.begin(), strikes.end());
