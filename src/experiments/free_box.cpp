@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "experiments/all.hpp"
+#include "experiments/free_box_published.hpp"
 #include "experiments/parts.hpp"
 
 namespace odeval::experiments {
@@ -14,6 +15,7 @@ namespace {
 
 using catalogue::Evaluation;
 using catalogue::Evaluator;
+using free_box_published::Errors;
 using report::Cell;
 
 constexpr double steps_s[] = {1e-4, 4e-4, 1e-3};
@@ -22,59 +24,6 @@ constexpr double spacing_s = 1e-2;
 constexpr const char* measured_methods[] = {"ode-step-double",      "ode-step-single", "ode-quickstep-double",
                                             "ode-quickstep-single", "ode-rk4-double",  "lagrange-cvode"};
 
-/// Largest errors, those of angular momentum and energy relative to what they were at the start.
-struct Errors {
-  double distance_m = 0;
-  double momentum = 0;
-  double energy = 0;
-  std::optional<double> turned_rad = {};
-};
-
-/// The benchmark's own results: S. Peters' repository scpeters/benchmark,
-/// benchmark_gazebo/test_results/BENCHMARK_boxes_dt.csv, of Gazebo 6 in 2015.
-struct Published {
-  const char* method;  // of ours that is theirs
-  bool tumbles;
-  double step_s;
-  Errors errors;
-};
-// clang-format off
-constexpr Published published[] = {
-    {"ode-quickstep-double",  false, 1e-4, {1.32316e-11, 0, 0, 1.04167e-09}},
-    {"ode-quickstep-double",  false, 4e-4, {3.11725e-12, 0, 0, 1.66673e-08}},
-    {"ode-quickstep-double",  false, 1e-3, {1.65532e-12, 0, 0, 1.04177e-07}},
-    {"bullet-hinge-double",   false, 1e-4, {1.32316e-11, 1.69995e-12, 6.85531e-14, 3.40528e-12}},
-    {"bullet-hinge-double",   false, 4e-4, {3.11725e-12, 1.72371e-13, 7.10395e-15, 4.50751e-13}},
-    {"bullet-hinge-double",   false, 1e-3, {1.65532e-12, 5.28787e-14, 2.13118e-15, 1.58096e-13}},
-    {"simbody-semi-explicit", false, 1e-4, {1.9222e-11, 0, 0, 2.60406e-10}},
-    {"simbody-semi-explicit", false, 4e-4, {5.03797e-12, 0, 0, 4.16683e-09}},
-    {"simbody-semi-explicit", false, 1e-3, {2.29424e-12, 0, 0, 2.60443e-08}},
-    {"dart-step",             false, 1e-4, {1.32316e-11, 9.15335e-16, 3.46317e-14, 2.30683e-06}},
-    {"dart-step",             false, 4e-4, {3.11725e-12, 1.23444e-15, 1.74047e-14, 6.28318}},
-    {"dart-step",             false, 1e-3, {1.65532e-12, 8.48948e-16, 2.48638e-15, 3.1082e-06}},
-    {"ode-quickstep-double",  true,  1e-4, {0.0049, 0.0012715, 0.00124711}},
-    {"ode-quickstep-double",  true,  4e-4, {0.0196008, 0.00513309, 0.00498742}},
-    {"ode-quickstep-double",  true,  1e-3, {0.0490049, 0.0130775, 0.0124631}},
-    {"bullet-hinge-double",   true,  1e-4, {0.0049, 0.00125827, 0.0013586}},
-    {"bullet-hinge-double",   true,  4e-4, {0.0196008, 0.00501544, 0.00543344}},
-    {"bullet-hinge-double",   true,  1e-3, {0.0490049, 0.0124515, 0.0135785}},
-    {"simbody-semi-explicit", true,  1e-4, {0.00245, 0.000634808, 0.00062358}},
-    {"simbody-semi-explicit", true,  4e-4, {0.00980039, 0.00255109, 0.00249411}},
-    {"simbody-semi-explicit", true,  1e-3, {0.0245024, 0.00643788, 0.00623412}},
-    {"dart-step",             true,  1e-4, {0.0049, 2.22942, 0.0269129}},
-    {"dart-step",             true,  4e-4, {0.0196008, 2.23344, 0.0289518}},
-    {"dart-step",             true,  1e-3, {0.0490049, 2.18611, 0.0376207}},
-};
-// clang-format on
-/// Whose numbers were published, and who has them here.
-struct Compared {
-  const char* engine;
-  const char* method;
-};
-constexpr Compared compared_engines[] = {{"ODE", "ode-quickstep-double"},
-                                         {"Bullet", "bullet-hinge-double"},
-                                         {"Simbody", "simbody-semi-explicit"},
-                                         {"DART", "dart-step"}};
 /// Of which nothing was published.
 constexpr const char* other_methods[] = {"bullet-multibody-double", "mujoco-euler", "mujoco-implicit", "mujoco-rk4"};
 
@@ -121,15 +70,14 @@ Errors errors_of(Evaluator& evaluator, const Evaluation& run) {
 }
 
 /// Theirs beside ours.
-std::vector<Cell> compared(const Case& which, double step_s, const Compared& engine, const Errors& ours) {
-  const auto* const found = std::ranges::find_if(published, [&](const Published& row) {
-    return row.method == std::string_view(engine.method) && row.tumbles == which.tumbles && row.step_s == step_s;
-  });
-  const Errors theirs = found != std::end(published) ? found->errors : Errors{NAN, NAN, NAN, {}};
+std::vector<Cell> compared(const Case& which, double step_s, const free_box_published::Engine& engine,
+                           const Errors& ours) {
+  const Errors* const found = free_box_published::of(engine.method, which.tumbles, step_s);
+  const Errors theirs = found != nullptr ? *found : Errors{NAN, NAN, NAN, {}};
   const Cell turned =
       theirs.turned_rad ? Cell(*theirs.turned_rad) : Cell(report::Missing{"no attitude to compare with"});
   return {std::string(which.name),
-          fmt::format("{} ({})", engine.engine, engine.method),
+          fmt::format("{} ({})", engine.name, engine.method),
           1e3 * step_s,
           theirs.distance_m,
           ours.distance_m,
@@ -159,11 +107,14 @@ class FreeFlights {
     for (const char* name : other_methods) {  // the page says once what the build lacks
       if (const catalogue::Method* const method = available(name)) add_row(which, step_s, *method, evaluator);
     }
-    for (const Compared& engine : compared_engines) {
+    for (const free_box_published::Engine& engine : free_box_published::engines()) {
       const catalogue::Method* const method = available(engine.method);
       if (method == nullptr) continue;
-      compared_rows_[{which.tumbles, &engine}].push_back(
-          compared(which, step_s, engine, errors_of(evaluator, evaluator.evaluate(*method))));
+      const Errors errors = errors_of(evaluator, evaluator.evaluate(*method));
+      compared_rows_[{which.tumbles, &engine}].push_back(compared(which, step_s, engine, errors));
+      if (!which.tumbles) continue;
+      measured_[{std::string(method->name), step_s}] = errors;
+      if (step_s == std::end(steps_s)[-1]) halve(which, step_s / 2, *method);  // the coarsest, which costs the least
     }
     if (which.tumbles && step_s == file_.step_s) {
       const Reference& reference = evaluator.reference();
@@ -185,6 +136,8 @@ class FreeFlights {
     return all;
   }
 
+  std::string about_published() const { return free_box_published::about(measured_); }
+
   report::Panel over_time{.title = "over time, tumbling", .x_label = "t, s", .y_label = "angle, rad", .log_y = true};
   report::Series turned{fmt::format("angle until {} s, rad", early_s), {}, {}, report::Mark::line_and_points};
   report::Series fallen{"distance until 10 s, m", {}, {}, report::Mark::line_and_points};
@@ -199,6 +152,7 @@ class FreeFlights {
     const Errors errors = errors_of(evaluator, run);
     const Metrics all = evaluator.measure(run, scenario.duration_s);
     const Metrics early = evaluator.measure(run, early_s);
+    if (which.tumbles) measured_[{std::string(method.name), step_s}] = errors;
     const bool of_ode = catalogue::has_half_step_start(method);
     table.rows.push_back({std::string(which.name), std::string(method.name), step_s, errors.distance_m,
                           of_ode ? Cell(law) : Cell(std::string("-")), *all[quantity::position_uncertainty],
@@ -208,6 +162,12 @@ class FreeFlights {
     if (method.name == "ode-step-double") add_step(step_s, law, all, early);
     const bool measured = std::ranges::find(measured_methods, method.name) != std::end(measured_methods);
     if (step_s == file_.step_s && measured && !method.name.starts_with("ode-quickstep")) draw(run);
+  }
+
+  /// Gazebo may have divided a step.
+  void halve(const Case& which, double step_s, const catalogue::Method& method) {
+    Evaluator evaluator(scenario_of(which, file_, step_s));
+    measured_[{std::string(method.name), step_s}] = errors_of(evaluator, evaluator.evaluate(method));
   }
 
   void add_step(double step_s, double law, const Metrics& all, const Metrics& early) {
@@ -232,12 +192,14 @@ class FreeFlights {
   }
 
   const Scenario& file_;
-  std::map<std::pair<bool, const Compared*>, std::vector<std::vector<Cell>>> compared_rows_;  // tumbling ones last
+  free_box_published::Measured measured_;
+  std::map<std::pair<bool, const free_box_published::Engine*>, std::vector<std::vector<Cell>>>
+      compared_rows_;  // tumbling ones last
 };
 
 std::vector<std::string> methods() {
   std::vector<std::string> all(std::begin(measured_methods), std::end(measured_methods));
-  for (const Compared& engine : compared_engines) {
+  for (const free_box_published::Engine& engine : free_box_published::engines()) {
     if (std::ranges::find(all, engine.method) == all.end()) all.emplace_back(engine.method);
   }
   all.insert(all.end(), std::begin(other_methods), std::end(other_methods));
@@ -270,6 +232,7 @@ Content free_box(Laboratory& laboratory, Findings& findings) {
                     {"mass", file.mechanism.bodies[0].mass_kg},
                     {"sides", fmt::format("{:g} x {:g} x {:g}", sides[0], sides[1], sides[2])},
                     {"off_the_law", shown(flights.off_the_law)},
+                    {"published", flights.about_published()},
                     {"left_out", left_out(methods())}};
   content.exhibits.emplace_back(std::move(figure));
   content.exhibits.emplace_back(std::move(flights.table));

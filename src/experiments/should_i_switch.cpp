@@ -127,7 +127,9 @@ std::string gain_of(const Advice& advice) {
 }
 
 std::string spread_of(const Advice& advice) {
-  return fmt::format("{} to {}{}", shown(advice.least), advice.most_is_bound ? "at least " : "", shown(advice.most));
+  const auto bound = [](bool is) { return is ? "at least " : ""; };
+  return fmt::format("{}{} to {}{}", bound(advice.least_is_bound), shown(advice.least), bound(advice.bounds > 0),
+                     shown(advice.most));
 }
 
 namespace {

@@ -115,8 +115,8 @@ struct Advice {
   double least = 1;      // over the stages
   double most = 1;
   std::size_t stages = 0;
-  std::size_t bounds = 0;      // stages on which ODE as it is keeps the budget nowhere
-  bool most_is_bound = false;  // on one of these
+  std::size_t bounds = 0;       // stages on which ODE as it is keeps the budget nowhere: their factors are larger
+  bool least_is_bound = false;  // the least is of one of these
 };
 /// "switch to mujoco-rk4: 49.6 times less CPU time".
 std::string sentence_of(const Advice& advice);
@@ -124,7 +124,7 @@ std::string sentence_of(const Advice& advice);
 std::string setting_of(const Way& way, const Tried& tried);
 /// "13.1 times less CPU time", or at least that.
 std::string gain_of(const Advice& advice);
-/// "1 to 47.6", or to at least that.
+/// "1 to 47.6"; "at least" stands before what may be larger, as the largest of several may be once one of them is.
 std::string spread_of(const Advice& advice);
 /// Of less than this factor nobody has to change anything.
 inline constexpr double worth = 1.5;

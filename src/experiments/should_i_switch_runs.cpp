@@ -293,11 +293,11 @@ std::map<Move, Advice> best_of(std::span<const Result> results) {
         advice.move = way.move;
         advice.method = way.method->name;
         advice.settings = way.settings;
-        advice.least = factor;
+        advice.least = INFINITY;
         advice.most = 0;
       }
+      if (factor < advice.least) advice.least_is_bound = bound;
       advice.least = std::min(advice.least, factor);
-      if (factor > advice.most) advice.most_is_bound = bound;
       advice.most = std::max(advice.most, factor);
       if (bound) ++advice.bounds;
       sum.log += std::log(factor);
