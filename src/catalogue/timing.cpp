@@ -39,6 +39,7 @@ void time_in_turns(std::span<TimedRun> runs, int rounds, const std::function<voi
   for (TimedRun& run : runs) {
     run.batch = 1;
     const double once = std::max(mean_seconds(run, clock), 1e-9);
+    if (once >= enough_s) run.seconds.push_back(once);
     run.batch = static_cast<int>(std::clamp(std::ceil(long_enough_s / once), 1.0, most_in_a_batch));
   }
   for (int round = 1; round <= rounds; ++round) {

@@ -32,7 +32,7 @@ using Clock = double (*)();
 /// Times every run once a round, after a round that warms up and does not count. Simulations are made before the clock
 /// starts and record nothing. A run so short that the clock and cold caches would show is done several times over.
 /// `begins(0)` is called before the warm-up, `begins(k)` before round k. A run whose rounds took `enough_s` in sum has
-/// no more of them.
+/// no more of them, and one that takes so long by itself has none: its warm-up counts.
 void time_in_turns(std::span<TimedRun> runs, int rounds, const std::function<void(int round)>& begins = {},
                    Clock clock = cpu_seconds, double enough_s = HUGE_VAL);
 

@@ -163,11 +163,19 @@ void timing_takes_turns() {
   CHECK_EQUAL(runs[1].evaluations, 1000L);
 
   // One that has taken enough has no more rounds.
-  slow.takes_s = {9, 7, 2};
+  slow.takes_s = {7.5, 7, 2};
   std::vector<catalogue::TimedRun> long_one{{&evaluator, &other, 0, 0, {}}};
   catalogue::time_in_turns(
       long_one, 3, {}, [] { return now_s; }, 8);
   CHECK_EQUAL(long_one[0].seconds.size(), std::size_t{2});
+
+  // Of one that takes enough by itself that which warms up is the only one.
+  slow.takes_s = {9};
+  std::vector<catalogue::TimedRun> longest{{&evaluator, &other, 0, 0, {}}};
+  catalogue::time_in_turns(
+      longest, 3, {}, [] { return now_s; }, 8);
+  CHECK_EQUAL(longest[0].seconds.size(), std::size_t{1});
+  CHECK_NEAR(longest[0].median_s(), 9, clock_rounding_s);
 
   // A run that no clock sees is done a hundred times over.
   quick.takes_s.assign(1 + 100, 0);
