@@ -131,6 +131,8 @@ Scenario four_bar() {
   return scenario;
 }
 
+#ifdef ODEVAL_WITH_TREES
+
 /// Bars that no plane holds, so that the loop leaves no force undecided: two hinges, a universal joint and a ball
 /// joint, which closes it and whose force tables show beside the middle bar.
 Scenario spatial_loop() {
@@ -177,6 +179,8 @@ Scenario hinged_loop() {
   joints[3].kind = UniversalJoint{anchor_m(joints[3].kind), {0, 1, 0}, {0, 0, 1}};
   return scenario;
 }
+
+#endif
 
 Scenario without_erp(Scenario scenario) {
   scenario.bullet.erp = 0;
