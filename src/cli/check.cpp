@@ -1,4 +1,6 @@
 // odeval check: holds every tolerance of the scenario files against a fresh measurement.
+#include "cli/check.hpp"
+
 #include <algorithm>
 #include <iostream>
 #include <map>
@@ -11,7 +13,6 @@
 #include "cli/settings.hpp"
 #include "measure/metrics.hpp"
 #include "odeval/error.hpp"
-#include "output/checks.hpp"
 #include "output/summary.hpp"
 
 namespace odeval::cli {
@@ -58,38 +59,25 @@ void require_value(const Scenario& scenario, const Tolerance& tolerance, const M
                   had(metrics));
 }
 
-/// Every tolerance of one scenario. Each method runs once, over the scenario's duration or until the last tolerance.
-std::vector<CheckRow> check_scenario(Scenario scenario) {
-  for (const Tolerance& tolerance : scenario.tolerances) {
-    scenario.duration_s = std::max(scenario.duration_s, tolerance.until_s);
-  }
-  catalogue::Evaluator evaluator(scenario);
-  std::map<std::string, catalogue::Evaluation> runs;
-  std::vector<CheckRow> rows;
-  for (const Tolerance& tolerance : scenario.tolerances) {
-    CheckRow row{scenario.name, tolerance, {}, {}, CheckRow::Verdict::left_out, {}, {}};
-    const auto all = catalogue::methods();
-    const auto& method = *std::ranges::find(all, tolerance.method, &catalogue::Method::name);
-    if (method.make != nullptr) {
-      catalogue::require_does(method, scenario, scenario.file + ": tolerances");
-      const auto found = runs.find(tolerance.method);
-      const auto& run = found != runs.end() ? found->second
-                                            : runs.emplace(tolerance.method, evaluator.evaluate(method)).first->second;
-      const Metrics metrics = evaluator.measure(run, tolerance.until_s);
-      require_value(scenario, tolerance, metrics);
-      row.measured = judged_value(tolerance, metrics);
-      row.reference_uncertainty = uncertainty_of(tolerance, metrics);
-      row.verdict = verdict_of(judge(tolerance, metrics));
-      row.reference = catalogue::mark_of(evaluator.reference());
-      // What ODE's own limit leaves open the reference of trees may decide, which a build without Simbody lacks.
-      const auto& of_trees = *std::ranges::find(all, "mechanism-cvode", &catalogue::Method::name);
-      const bool open = row.verdict == CheckRow::Verdict::undecided && !row.reference.empty();
-      if (open && of_trees.make == nullptr) row.verdict = CheckRow::Verdict::left_out;
-      row.suspect = suspicion(run.outcome);
-    }
-    rows.push_back(row);
-  }
-  return rows;
+CheckRow check_one(const Tolerance& tolerance, const catalogue::Method& method, catalogue::Evaluator& evaluator,
+                   const RunOf& run_of) {
+  const Scenario& scenario = evaluator.scenario();
+  CheckRow row{scenario.name, tolerance, {}, {}, CheckRow::Verdict::left_out, {}, {}};
+  if (method.make == nullptr) return row;
+  catalogue::require_does(method, scenario, scenario.file + ": tolerances");
+  const catalogue::Evaluation& run = run_of(method);
+  const Metrics metrics = evaluator.measure(run, tolerance.until_s);
+  require_value(scenario, tolerance, metrics);
+  row.measured = judged_value(tolerance, metrics);
+  row.reference_uncertainty = uncertainty_of(tolerance, metrics);
+  row.verdict = verdict_of(judge(tolerance, metrics));
+  row.reference = catalogue::mark_of(evaluator.reference());
+  // What ODE's own limit leaves open the reference of trees may decide, which a build without Simbody lacks.
+  const auto& of_trees = *std::ranges::find(catalogue::methods(), "mechanism-cvode", &catalogue::Method::name);
+  const bool open = row.verdict == CheckRow::Verdict::undecided && !row.reference.empty();
+  if (open && of_trees.make == nullptr) row.verdict = CheckRow::Verdict::left_out;
+  row.suspect = suspicion(run.outcome);
+  return row;
 }
 
 std::vector<const catalogue::Method*> methods_of_tolerances(const Scenario& scenario) {
@@ -130,13 +118,38 @@ int check(const Options& options) {
   } else if (!options.quiet) {
     std::cout << checks_table(rows);
   }
+  return status_of(rows);
+}
+
+}  // namespace
+
+std::vector<CheckRow> check_runs(catalogue::Evaluator& evaluator, const RunOf& run_of) {
+  std::vector<CheckRow> rows;
+  for (const Tolerance& tolerance : evaluator.scenario().tolerances) {
+    const auto& method = *std::ranges::find(catalogue::methods(), tolerance.method, &catalogue::Method::name);
+    rows.push_back(check_one(tolerance, method, evaluator, run_of));
+  }
+  return rows;
+}
+
+std::vector<CheckRow> check_scenario(Scenario scenario) {
+  for (const Tolerance& tolerance : scenario.tolerances) {
+    scenario.duration_s = std::max(scenario.duration_s, tolerance.until_s);
+  }
+  catalogue::Evaluator evaluator(std::move(scenario));
+  std::map<std::string_view, catalogue::Evaluation> runs;
+  return check_runs(evaluator, [&](const catalogue::Method& method) -> const catalogue::Evaluation& {
+    const auto found = runs.find(method.name);
+    return found != runs.end() ? found->second : runs.emplace(method.name, evaluator.evaluate(method)).first->second;
+  });
+}
+
+int status_of(std::span<const CheckRow> rows) {
   const bool failed = std::ranges::any_of(rows, [](const CheckRow& row) {
     return row.verdict == CheckRow::Verdict::failed || row.verdict == CheckRow::Verdict::undecided;
   });
   return failed ? 1 : 0;
 }
-
-}  // namespace
 
 Action attach_check(Flags& flags) {
   const auto options = std::make_shared<Options>();

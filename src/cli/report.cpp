@@ -1,6 +1,7 @@
 // odeval report: every scenario and every experiment, and the verdicts on the claims, as one page.
 #include "cli/report.hpp"
 
+#include <algorithm>
 #include <iostream>
 #include <thread>
 
@@ -8,6 +9,7 @@
 #include "catalogue/self_converged.hpp"
 #include "catalogue/versions.hpp"
 #include "cli/bench.hpp"
+#include "cli/check.hpp"
 #include "cli/commands.hpp"
 #include "cli/flags.hpp"
 #include "cli/progress.hpp"
@@ -88,6 +90,23 @@ Runs run_scenarios(Laboratory& laboratory, const ReportOptions& options) {
   return runs;
 }
 
+/// What `odeval check` holds, against the runs of the page where they last long enough.
+std::vector<CheckRow> check_tolerances(Laboratory& laboratory) {
+  std::vector<CheckRow> all;
+  for (const std::string& name : shipped_scenarios()) {
+    const Scenario& scenario = laboratory.scenario(name);
+    const bool longer = std::ranges::any_of(
+        scenario.tolerances, [&](const Tolerance& tolerance) { return tolerance.until_s > scenario.duration_s; });
+    const auto run_of = [&](const catalogue::Method& method) -> const catalogue::Evaluation& {
+      return *laboratory.run(name, method.name);
+    };
+    for (CheckRow& row : longer ? check_scenario(scenario) : check_runs(laboratory.evaluator(name), run_of)) {
+      all.push_back(std::move(row));
+    }
+  }
+  return all;
+}
+
 /// Every experiment, side by side on the machine's cores.
 std::vector<report::Section> run_experiments(Laboratory& laboratory, report::Findings& findings, bool quiet,
                                              std::vector<std::string>& failures) {
@@ -140,6 +159,8 @@ int report(const ReportOptions& options, const SeePage& seen) {
     return read_scenario(find_scenario(name, catalogue::scenario_folder()), {}, known_names());
   });
   Runs runs = run_scenarios(laboratory, options);
+  const std::vector<CheckRow> checks = options.check ? check_tolerances(laboratory) : std::vector<CheckRow>{};
+  if (options.check && !options.quiet) std::cout << checks_table(checks) << '\n' << std::flush;
   BenchOptions timing;
   timing.out = options.out;
   timing.quiet = true;
@@ -170,7 +191,8 @@ int report(const ReportOptions& options, const SeePage& seen) {
   failures.insert(failures.end(), page.missing.begin(), page.missing.end());
   for (const std::string& failure : failures) std::cerr << "odeval: the page lacks " << failure << '\n';
   if (!options.quiet) std::cout << "wrote " << (folder / "index.html").string() << '\n';
-  return failures.empty() ? (runs.diverged ? 1 : 0) : 3;
+  if (!failures.empty()) return 3;
+  return options.check ? status_of(checks) : (runs.diverged ? 1 : 0);
 }
 
 Action attach_report(Flags& flags) {
@@ -180,6 +202,9 @@ Action attach_report(Flags& flags) {
       .add_option("--releases", options->releases,
                   "what another release of ODE changes: the folder that its build's report or run wrote")
       .type_name("DIR");
+  flags.add_flag("--check", options->check,
+                 "hold the scenarios' tolerances against the same runs, as 'odeval check' does; exit status 1 if one "
+                 "fails, and not where a run diverged");
   flags.add_flag("--quiet", options->quiet, "print neither progress nor the name of the page");
   return [options] { return report(*options); };
 }

@@ -11,6 +11,7 @@ namespace odeval::cli {
 struct ReportOptions {
   std::string out = "results";
   std::string releases{};  // a folder of results of another release of ODE, or empty
+  bool check = false;      // the scenarios' tolerances as well, whose exit status it is then
   bool quiet = false;
 };
 
