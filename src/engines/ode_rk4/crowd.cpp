@@ -231,7 +231,7 @@ void Flight::settle_crowd(State& state, double h) {
     impact.answer(impulses);
     tell_joints(impact, impulses, there, h);
     resting_ = contacts_;
-    const State& before = conservative() ? here_ : free;
+    const State& before = passive() ? here_ : free;
     const std::vector<char> poor = pay(before, work, state);
     if (std::ranges::find(poor, 1) != poor.end()) {
       State other;

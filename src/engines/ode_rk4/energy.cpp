@@ -46,8 +46,8 @@ double Flight::rounding_of_energy(const State& state) const {
   return sum;
 }
 
-/// Do only forces work that are the same all the while?
-bool Flight::conservative() const {
+/// Do only forces work that are the same all the while, besides drag, which takes?
+bool Flight::passive() const {
   if (forces_->renew || motion_.has_motors()) return false;
   const Mechanism& mechanism = motion_.mechanism();
   if (std::ranges::any_of(mechanism.joints, [](const Joint& joint) { return !joint.springs.empty(); })) return false;
@@ -55,9 +55,13 @@ bool Flight::conservative() const {
     const Twist& twist = here_[i].twist;
     if (!forces_->now[i].torque.isZero(0)) return false;
     if (mechanism.bodies[i].inverse_mass <= 0 && !(twist.linear.isZero(0) && twist.angular.isZero(0))) return false;
-    if (mechanism.bodies[i].damped()) return false;
   }
   return true;
+}
+
+/// And nothing drags.
+bool Flight::conservative() const {
+  return passive() && std::ranges::none_of(motion_.mechanism().bodies, &Body::damped);
 }
 
 /// Bodies that hang together by what touches and by joints.
@@ -174,7 +178,8 @@ bool Flight::keep_energy(const State& start, const std::vector<Contact>& rested,
     resting_.insert(resting_.end(), bounced_.begin(), bounced_.end());
     const double gain = gained(start, there_), rounding = rounding_of_energy(there_);
     const auto elastic = [](const Contact& contact) { return contact.restitution == 1; };
-    if (gain > lift + rounding || (gain < -rounding && std::ranges::any_of(resting_, elastic))) {
+    const bool lost = gain < -rounding && conservative() && std::ranges::any_of(resting_, elastic);
+    if (gain > lift + rounding || lost) {
       paid = stay(start, pay(start, 0, there_), there_);
     }
   }

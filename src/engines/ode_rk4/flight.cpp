@@ -52,7 +52,7 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
     }
     const double lift = taken_;
     fly(h);
-    const bool keeps = collider_.works(motion_.mechanism()) && conservative();
+    const bool keeps = collider_.works(motion_.mechanism()) && passive();
     if (keeps && !keep_energy(state, before.resting, lift) && !fresh && crowded == 0 && touches_.empty()) {
       // What rested pushed bodies up that have not the motion to pay for that: they fall freely instead.
       go_back(before);
@@ -186,7 +186,7 @@ bool Flight::hold_or_stick(double& t, double h, Slowing& slowing) {
 
 /// From `there_`.
 void Flight::go_on() {
-  if (conservative()) taken_ -= gained(here_, there_);
+  if (passive()) taken_ -= gained(here_, there_);
   std::swap(here_, there_);
 }
 

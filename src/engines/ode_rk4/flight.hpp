@@ -142,6 +142,7 @@ class Flight {
                       const std::vector<char>& poor, const State& free, State struck, double h, double work,
                       State& state);
   State unforced(Motion& motion, const State& state, double h);
+  bool passive() const;
   bool conservative() const;
   bool keep_energy(const State& start, const std::vector<Contact>& rested, double lift);
   double rounding_of_energy(const State& state) const;

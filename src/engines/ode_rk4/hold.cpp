@@ -89,7 +89,7 @@ Flight::Out Flight::stop_and_push_out(State& state, double h, bool again, std::v
   const double work = impact.work(impulses, here_, free, state);
   if (first) tell_joints(impact, impulses, state, h);
   impact.spend(impulses, motors);  // what is found on the way out is borne by what they can give yet
-  const double done = !first ? 0 : conservative() ? gained(here_, free) : work_of_pushes(free, h);
+  const double done = !first ? 0 : passive() ? gained(here_, free) : work_of_pushes(free, h);
   if (first) {
     note(impact, impulses, h);
     rest = contacts_;
@@ -102,7 +102,7 @@ Flight::Out Flight::stop_and_push_out(State& state, double h, bool again, std::v
   const Eigen::VectorXd guess = again && !follows ? put_too_deep(rest) : Eigen::VectorXd();
   const auto way = impact.way_out(rest_depth, by, follows ? impulses : guess);
   // What only that would cost energy is paid at the end of the step: else it would be gone in many small parts.
-  const double most = conservative() && !first_ ? HUGE_VAL : taken_ + work - done;
+  const double most = passive() && !first_ ? HUGE_VAL : taken_ + work - done;
   const bool moved = move_out(motion, free, way, most, state);
   taken_ -= gained(free, state) + done - work;
   return {moved, !again && moved && lies_well(way)};

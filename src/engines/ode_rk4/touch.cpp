@@ -180,7 +180,7 @@ void Flight::impact(double t, bool at_once, bool last) {
   const std::size_t touch = touches_.size();
   touches_.push_back({t, -speed(fastest), 0, striking.size()});
   tell(options_.before_impact, touches_[touch]);
-  taken_ -= gained(conservative() ? there_ : here_, struck);
+  taken_ -= gained(passive() ? there_ : here_, struck);
   here_ = std::move(struck);
   touches_[touch].departure = speed(fastest);
   tell(options_.after_impact, touches_[touch]);
