@@ -262,8 +262,8 @@ Told MujocoWorld::told() const {
             {"viscosity", options.viscosity},
             {"disableflags", std::int64_t{options.disableflags}},
             {"enableflags", std::int64_t{options.enableflags}}};
-  tell_softness(told, "contact", model_->pair_solref, model_->pair_solimp, model_->npair);
-  tell_softness(told, "loop", model_->eq_solref, model_->eq_solimp, model_->neq);
+  tell_softness(told, "contact", model_->pair_solref, model_->pair_solimp, static_cast<int>(model_->npair));
+  tell_softness(told, "loop", model_->eq_solref, model_->eq_solimp, static_cast<int>(model_->neq));
   for (int joint = 0; joint < model_->njnt; ++joint) {
     if (!model_->jnt_limited[joint]) continue;
     tell_softness(told, "stop_" + std::string(mj_id2name(model_.get(), mjOBJ_JOINT, joint)),
