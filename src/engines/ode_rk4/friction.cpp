@@ -220,7 +220,7 @@ VectorXd sticking(const MatrixXd& a, const VectorXd& v, const Rubbing& rubbing) 
   across.diagonal().array() += 1e-300;
   const Eigen::LDLT<MatrixXd> stuck(across);
   const MatrixXd follow = stuck.solve(a.bottomLeftCorner(m, n));
-  VectorXd p(v.size());
+  VectorXd p = VectorXd::Zero(v.size());
   p.tail(m) = stuck.solve(v.tail(m));
   MatrixXd left = a.topLeftCorner(n, n) - a.topRightCorner(n, m) * follow;
   left.diagonal() += softness * a.diagonal().head(n);
