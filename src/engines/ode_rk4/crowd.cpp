@@ -62,11 +62,15 @@ State Flight::unforced(Motion& motion, const State& state, double h) {
 }
 
 /// Contacts that rest give nothing back, but elastic ones the energy of what closes them besides forces in a time h:
-/// bodies that turn.
+/// bodies that turn. What has been `halted_` of the state is no motion that closes them, but what forces did.
 void Flight::bounce_elastic(Motion& motion, const Impact& impact, std::vector<Contact>& contacts, double h,
                             State& state) {
   if (std::ranges::none_of(contacts, [](const Contact& contact) { return contact.restitution == 1; })) return;
   State bare = unforced(motion, state, h);
+  for (std::size_t i = 0; i < halted_.size(); ++i) {
+    bare[i].twist.linear -= halted_[i].linear;
+    bare[i].twist.angular -= halted_[i].angular;
+  }
   bool bounces = false;
   for (Contact& contact : contacts) {
     if (contact.restitution < 1 || stopped(contact)) contact.restitution = 0;

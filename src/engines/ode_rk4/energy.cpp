@@ -20,12 +20,6 @@ double kinetic_energy(const Body& body, const BodyNow& now) {
   return now.twist.linear.squaredNorm() / (2 * body.inverse_mass) + spin.dot(body.inertia * spin) / 2;
 }
 
-double kinetic_energy(const Mechanism& mechanism, const State& state) {
-  double sum = 0;
-  for (std::size_t i = 0; i < state.size(); ++i) sum += kinetic_energy(mechanism.bodies[i], state[i]);
-  return sum;
-}
-
 /// Velocities of two states at the poses of the second.
 State mixed(const State& one, State other, double share_of_other) {
   for (std::size_t i = 0; i < other.size(); ++i) {
@@ -38,30 +32,56 @@ State mixed(const State& one, State other, double share_of_other) {
 
 }  // namespace
 
+/// Counts in what contacts reach: what nothing touches has errors of its own, which are not for contacts to pay.
+void Flight::count_in(const std::vector<Contact>& contacts) {
+  bool more = false;
+  for (const Contact& contact : contacts) {
+    for (const std::size_t body : {contact.a, contact.b}) {
+      if (body == world_body || in_touch_[body] != 0) continue;
+      in_touch_[body] = 1;
+      more = true;
+    }
+  }
+  if (more) in_touch_ = reached(std::move(in_touch_));
+}
+
 double Flight::rounding_of_energy(const State& state) const {
-  double sum = energy_rounding * kinetic_energy(motion_.mechanism(), state);
+  double sum = 0;
   for (std::size_t i = 0; i < state.size(); ++i) {
+    if (in_touch_[i] == 0) continue;
+    sum += energy_rounding * kinetic_energy(motion_.mechanism().bodies[i], state[i]);
     sum += place_rounding * forces_->now[i].force.norm() * state[i].pose.position.norm();
   }
   return sum;
 }
 
-/// Do only forces work that are the same all the while, besides drag, which takes?
+/// Do only forces work that are the same all the while, on what is in touch, besides drag, which takes?
 bool Flight::passive() const {
-  if (forces_->renew || motion_.has_motors()) return false;
+  if (forces_->renew) return false;
   const Mechanism& mechanism = motion_.mechanism();
-  if (std::ranges::any_of(mechanism.joints, [](const Joint& joint) { return !joint.springs.empty(); })) return false;
+  const auto is_in = [&](std::size_t body) { return body != world_body && in_touch_[body] != 0; };
+  const auto works = [&](std::size_t body) {
+    if (body == world_body) return false;
+    const Twist& twist = here_[body].twist;
+    const bool moves = !(twist.linear.isZero(0) && twist.angular.isZero(0));
+    return (mechanism.bodies[body].inverse_mass <= 0 && moves) || !forces_->now[body].torque.isZero(0);
+  };
+  for (const Joint& joint : mechanism.joints) {
+    if (!is_in(joint.a) && !is_in(joint.b)) continue;
+    if (!joint.motors.empty() || !joint.springs.empty() || works(joint.a) || works(joint.b)) return false;
+  }
   for (std::size_t i = 0; i < here_.size(); ++i) {
-    const Twist& twist = here_[i].twist;
-    if (!forces_->now[i].torque.isZero(0)) return false;
-    if (mechanism.bodies[i].inverse_mass <= 0 && !(twist.linear.isZero(0) && twist.angular.isZero(0))) return false;
+    if (is_in(i) && works(i)) return false;
   }
   return true;
 }
 
 /// And nothing drags.
 bool Flight::conservative() const {
-  return passive() && std::ranges::none_of(motion_.mechanism().bodies, &Body::damped);
+  for (std::size_t i = 0; i < here_.size(); ++i) {
+    if (in_touch_[i] != 0 && motion_.mechanism().bodies[i].damped()) return false;
+  }
+  return passive();
 }
 
 /// Bodies that hang together by what touches and by joints.
@@ -188,10 +208,12 @@ bool Flight::keep_energy(const State& start, const std::vector<Contact>& rested,
   return paid;
 }
 
-/// Energy that comes from nowhere from one state to another, J: of motion, less the work of forces.
+/// Energy that comes from nowhere from one state to another, J: of motion, less the work of forces; of what is in
+/// touch.
 double Flight::gained(const State& from, const State& to) const {
   double sum = 0;
   for (std::size_t i = 0; i < from.size(); ++i) {
+    if (in_touch_[i] == 0) continue;
     const Body& body = motion_.mechanism().bodies[i];
     sum += kinetic_energy(body, to[i]) - kinetic_energy(body, from[i]);
     if (body.inverse_mass > 0) sum -= forces_->now[i].force.dot(to[i].pose.position - from[i].pose.position);

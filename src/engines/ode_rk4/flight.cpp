@@ -41,6 +41,9 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
   if (footholds_) footholds_->motion().prepare(h);
   forces_ = &forces;
   here_ = state;
+  in_touch_.assign(state.size(), 0);
+  count_in(resting_);
+  halted_.clear();
   try {
     if (fresh) begin();
     if (collider_.works(motion_.mechanism())) {
@@ -100,7 +103,7 @@ void Flight::allow_lift() {
   look(here_);
   double overlaps = 0, forces = 0;
   for (const Contact& contact : contacts_) overlaps += std::max(0.0, contact.depth - rest_depth);
-  for (const Wrench& wrench : forces_->now) forces += wrench.force.norm();
+  for (std::size_t i = 0; i < here_.size(); ++i) forces += in_touch_[i] != 0 ? forces_->now[i].force.norm() : 0;
   taken_ = std::max(taken_, forces * overlaps);
 }
 

@@ -87,7 +87,11 @@ class Flight {
   void go(State& from, double after, double h, State& to);
   void settle(State& state, double most);
   [[noreturn]] void refuse_apart(const JointError& error, const std::string& when) const;
-  void look(const State& state) { collider_.look(motion_.mechanism(), state, contacts_); }
+  void look(const State& state) {
+    collider_.look(motion_.mechanism(), state, contacts_);
+    count_in(contacts_);
+  }
+  void count_in(const std::vector<Contact>& contacts);
   std::vector<char> reached(std::vector<char> bodies) const;
   std::vector<char> unsteady() const;
   bool pushes_on(const Contact& contact) const {
@@ -167,6 +171,8 @@ class Flight {
   std::vector<Contact> stopped_;              // their geoms do not bounce any more in this step
   std::vector<Contact> struck_;               // at `here_`
   std::vector<Contact> bounced_;              // in this step
+  std::vector<Twist> halted_;                 // of velocities, at the end of this part of the step
+  std::vector<char> in_touch_;                // bodies that these and joints reach
   bool all_stopped_ = false;
   std::optional<Footholds> footholds_;  // of what rests and sticks
   bool slipped_ = false;                // it does so no more in this step

@@ -85,7 +85,12 @@ Flight::Out Flight::stop_and_push_out(State& state, double h, bool again, std::v
   const Impact impact(motion, contacts_, state, work_, motors);
   const State free = state;
   bounce_elastic(motion, impact, contacts_, h, state);
+  const State falling = state;
   const Eigen::VectorXd impulses = impact.stop(state);
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    halted_[i].linear += state[i].twist.linear - falling[i].twist.linear;
+    halted_[i].angular += state[i].twist.angular - falling[i].twist.angular;
+  }
   const double work = impact.work(impulses, here_, free, state);
   if (first) tell_joints(impact, impulses, state, h);
   impact.spend(impulses, motors);  // what is found on the way out is borne by what they can give yet
@@ -117,6 +122,7 @@ bool Flight::hold(State& state, double h) {
   std::erase_if(fast, [this](const Contact& contact) { return !held_fast(contact); });
   bool touched = false;
   sticks_ = {};
+  halted_.assign(state.size(), {Vector3d::Zero(), Vector3d::Zero()});
   const auto at_rest = [&] {
     touched = deepest(state) != nullptr;
     std::erase_if(contacts_, [&](const Contact& contact) { return !rests(contact, state) || held_fast(contact); });
@@ -138,6 +144,7 @@ bool Flight::hold(State& state, double h) {
     if (!moved) break;  // between jaws of joints, or at the end of what can be lifted
     if (push == 0 && h > 0) look_deeper(rest);
   }
+  halted_.clear();
   leave_what_is_deep();
   rest.insert(rest.end(), fast.begin(), fast.end());
   resting_ = std::move(rest);

@@ -11,7 +11,7 @@ namespace {
 
 // m/s^2 and of the way that it goes: a contact that is farther than this from where it was going is another.
 constexpr double most_acceleration = 100, most_change = 0.5;
-// Bodies that count as struck, for all are moved where an impact is looked for.
+// Bodies that count as struck, of those in touch, for all are moved where an impact is looked for.
 constexpr std::size_t least_struck = 8;
 // Of a step: what contacts do in less says less than what they did before.
 constexpr double long_enough = 0.1;
@@ -75,7 +75,8 @@ std::size_t Flight::struck_at_once() const {
   }
   struck = reached(std::move(struck));
   const auto count = static_cast<std::size_t>(std::ranges::count(struck, 1));
-  return contacts_.size() + std::max(count, std::min(here_.size(), least_struck));
+  const auto all = static_cast<std::size_t>(std::ranges::count(in_touch_, 1));
+  return contacts_.size() + std::max(count, std::min(all, least_struck));
 }
 
 /// From `here_`, which is `after` into the step; motors that contacts act on push on likewise. Where no force acts
@@ -85,8 +86,12 @@ void Flight::push_on(double after) {
   mover().expect({}, {});
   forces_->pushes.clear();
   forces_->since = after;
-  const auto acts = [](const Wrench& wrench) { return !wrench.force.isZero(0) || !wrench.torque.isZero(0); };
-  if (crowded_ > 0 || !(forces_->renew || std::ranges::any_of(forces_->now, acts))) return;
+  bool acts = static_cast<bool>(forces_->renew);
+  for (std::size_t i = 0; i < here_.size(); ++i) {
+    const Wrench& wrench = forces_->now[i];
+    acts = acts || (in_touch_[i] != 0 && !(wrench.force.isZero(0) && wrench.torque.isZero(0)));
+  }
+  if (crowded_ > 0 || !acts) return;
   const std::vector<char> off = unsteady();
   const auto is_off = [&](std::size_t body) { return body != world_body && off[body] != 0; };
   mover().expect(gave_, off);
