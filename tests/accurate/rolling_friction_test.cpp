@@ -147,8 +147,8 @@ void check_refused() {
     CHECK_THROWS(step(1e-3), AccurateStepError, message);
   };
   for (const double bad : {-0.1, std::nan(""), HUGE_VAL}) {
-    refused({.rho = bad}, "a coefficient of rolling friction must be 0 m or more");
-    refused({.rhoN = bad}, "a coefficient of spinning friction must be 0 m or more");
+    refused({.rho = bad}, "a coefficient of rolling friction must be 0 m or more and finite, not ");
+    refused({.rhoN = bad}, "a coefficient of spinning friction must be 0 m or more and finite, not ");
   }
 }
 

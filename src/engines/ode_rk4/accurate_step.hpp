@@ -46,7 +46,7 @@ class AccurateStepError : public std::runtime_error {
 /// What happens where two geoms touch.
 struct Bounce {
   double restitution = 0;  // 0..1, of the normal velocity (Newton's law)
-  double friction = 0;     // >= 0, Coulomb's coefficient, sticking and sliding: a round cone
+  double friction = 0;     // >= 0 and finite, Coulomb's coefficient, sticking and sliding: a round cone
   /// m, >= 0, at each contact point, as ODE has them with dContactRolling and dContactApprox1: the torque about axes in
   /// the contact's plane is at most rho times the normal force, in a round disc, and acts against rolling there; that
   /// about the normal is at most rhoN times the normal force, against spinning there.
@@ -72,8 +72,8 @@ enum class ImpactOrder {
 /// One located impact.
 struct Touch {
   double t;          // s, since the step began
-  double approach;   // m/s, normal speed at the fastest contact point before it
-  double departure;  // m/s, of the same point after it
+  double approach;   // m/s, normal speed at the fastest contact point before it; rad/s at the stop of a turn
+  double departure;  // likewise, of the same point after it
   std::size_t contacts;
 };
 

@@ -128,13 +128,13 @@ void Collider::meet(const Mechanism& mechanism, dGeomID one, dGeomID other, std:
     refuse("a restitution must be 0 to 1, not " + shown(bounce->restitution));
   }
   if (!(bounce->friction >= 0 && std::isfinite(bounce->friction))) {
-    refuse("a coefficient of friction must be 0 or more, not " + shown(bounce->friction));
+    refuse("a coefficient of friction must be 0 or more and finite, not " + shown(bounce->friction));
   }
   if (!(bounce->rho >= 0 && std::isfinite(bounce->rho))) {
-    refuse("a coefficient of rolling friction must be 0 m or more, not " + shown(bounce->rho));
+    refuse("a coefficient of rolling friction must be 0 m or more and finite, not " + shown(bounce->rho));
   }
   if (!(bounce->rhoN >= 0 && std::isfinite(bounce->rhoN))) {
-    refuse("a coefficient of spinning friction must be 0 m or more, not " + shown(bounce->rhoN));
+    refuse("a coefficient of spinning friction must be 0 m or more and finite, not " + shown(bounce->rhoN));
   }
   constexpr int most = 64;
   dContactGeom found[most];
