@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <map>
 
 #include "odeval/error.hpp"
@@ -71,6 +72,14 @@ std::map<std::pair<std::string, std::string>, Run> runs_of(const Comparison& com
   return runs;
 }
 
+/// A number is shown as all others are; the table's CSV has all its digits.
+Cell number_or_word(const std::string& text) {
+  double number = 0;
+  const char* const end = text.data() + text.size();
+  const auto [read, error] = std::from_chars(text.data(), end, number);
+  return error == std::errc() && read == end ? Cell(number) : Cell(text);
+}
+
 Table table_of(const std::map<std::pair<std::string, std::string>, Run>& runs) {
   Table table{.name = "releases",
               .columns = {"scenario", "method", "both are", "what differs first", "here", "there", "allowed",
@@ -80,7 +89,7 @@ Table table_of(const std::map<std::pair<std::string, std::string>, Run>& runs) {
       if (run.sameness() != sameness) continue;
       const Difference* const difference = told(run);
       const auto text = [&](std::string Difference::*part) {
-        return Cell(difference == nullptr ? std::string("-") : difference->*part);
+        return difference == nullptr ? Cell(std::string("-")) : number_or_word(difference->*part);
       };
       const bool has_trace = run.trace != nullptr && run.trace->sameness != Sameness::bytes;
       table.rows.push_back({name.first, name.second,
