@@ -207,12 +207,7 @@ void check_elastic(int count) {
   options.contact = [](dGeomID, dGeomID) { return std::optional(Bounce{1, 0}); };
   AccurateStep step(world.id, world.space, options);
   const double start = world.energy();
-  double last = start, rise = 0;
-  for (double t = 0; t < 1; t += h) {
-    step(h);
-    rise = std::max(rise, world.energy() - last);
-    last = world.energy();
-  }
+  const double rise = most_risen(world, step, h, 1);
   std::printf("%d elastic balls: %zu crowded steps; energy %.4g J, risen by at most %.2g of it in a step\n", count,
               step.crowded_steps(), start, rise / start);
   CHECK_BETWEEN(rise, 0, 1e-12 * start);  // 4e-16 measured

@@ -179,6 +179,18 @@ inline double overlap(const World& world) {
   return deepest;
 }
 
+/// Steps of h for a duration in s: the most that the energy rises by in one of them, J.
+template <class Step>
+double most_risen(const World& world, Step& step, double h, double duration) {
+  double last = world.energy(), rise = 0;
+  for (double t = 0; t < duration; t += h) {
+    step(h);
+    rise = std::max(rise, world.energy() - last);
+    last = world.energy();
+  }
+  return rise;
+}
+
 /// Slope of log error over log step between two runs.
 inline double order(double coarse_error, double fine_error, double ratio) {
   return std::log(coarse_error / fine_error) / std::log(ratio);
