@@ -147,11 +147,11 @@ Kept Bench::kept_nearby(const catalogue::Method& method, double step_s, const Od
   return kept;
 }
 
-Kept Bench::largest_step(const catalogue::Method& method, const OdeSettings& ode, double at_least_s) const {
+Kept Bench::largest_step(const catalogue::Method& method, const OdeSettings& ode, double above_s) const {
   Kept best;
   Kept coarser;
   for (const double step_s : ladder_s) {
-    if (coarser.step_s > 0 && coarser.step_s < at_least_s) break;
+    if (!coarser.keeps && step_s <= above_s) break;
     const Kept here = kept_nearby(method, step_s, ode);
     if (here.keeps && coarser.keeps) return coarser;
     if (here.error < best.error) best = here;

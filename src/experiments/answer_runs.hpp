@@ -71,8 +71,8 @@ class Bench {
 
   /// The largest step of the ladder that keeps the budget, if the next smaller one keeps it as well: a step that keeps
   /// it by luck is none. Where impacts fall anywhere in a step, those nearby have to keep it too (keeping.hpp). Looks
-  /// no further where only steps below `at_least_s` are left.
-  Kept largest_step(const catalogue::Method& method, const OdeSettings& ode, double at_least_s = 0) const;
+  /// only for one above `above_s`.
+  Kept largest_step(const catalogue::Method& method, const OdeSettings& ode, double above_s = 0) const;
 
   /// Of all choices that with the largest step; of equals the first, which changes least.
   Kept best(const catalogue::Method& method) const;
