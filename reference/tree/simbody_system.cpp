@@ -1,6 +1,8 @@
 #include "reference/tree/simbody_system.hpp"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
+#include <set>
 
 #include "reference/tree/simbody_numbers.hpp"
 
@@ -16,6 +18,9 @@ SimTK::Body::Rigid rigid(const Body& body, double parts) {
   if (parts == 1) return SimTK::Body::Rigid({body.mass_kg, SimTK::Vec3(0), whole});
   return SimTK::Body::Rigid({body.mass_kg / parts, SimTK::Vec3(0), whole / parts});
 }
+
+/// Of the weld that closes a loop.
+constexpr int equations_of_a_loop = 6;
 
 /// A constraint that others imply up to this, of the largest, is one of them.
 constexpr double implied = 1e-9;
@@ -53,6 +58,58 @@ SimbodySystem::SimbodySystem(Mechanism of, std::vector<Branch> order, double pul
     const SimTK::MobilizedBody& body = matter.getMobilizedBody(i);
     for (SimTK::MobilizerUIndex u(0); u < body.getNumU(state); ++u) moved_by.emplace_back(body, u);
   }
+  sort_speeds_by_loops();
+}
+
+void SimbodySystem::sort_speeds_by_loops() {
+  std::vector<LoopsOfSpeed> speeds;
+  for (int speed = 0; speed < matter.getNumMobilities(); ++speed) speeds.push_back({speed, {}});
+  for (std::size_t loop = 0; loop < loops.welded.size(); ++loop) {
+    const int first = static_cast<int>(loop) * equations_of_a_loop;
+    for (SimTK::MobilizedBody body : loops.welded[loop]) {
+      for (; !body.isGround(); body = body.getParentMobilizedBody()) {
+        const int from = int(body.getFirstUIndex(state));
+        for (int k = 0; k < body.getNumU(state); ++k) {
+          std::vector<int>& of = speeds[static_cast<std::size_t>(from + k)].first_equations;
+          if (of.empty() || of.back() != first) of.push_back(first);
+        }
+      }
+    }
+  }
+  std::vector<std::set<int>> taken;  // loops of each group
+  for (LoopsOfSpeed& speed : speeds) {
+    const std::vector<int>& of = speed.first_equations;
+    if (of.empty()) continue;
+    const auto meets = [&](const std::set<int>& group) {
+      return std::any_of(of.begin(), of.end(), [&](int loop) { return group.count(loop) > 0; });
+    };
+    std::size_t group = 0;
+    while (group < taken.size() && meets(taken[group])) ++group;
+    if (group == taken.size()) {
+      taken.emplace_back();
+      loops.apart.emplace_back();
+    }
+    taken[group].insert(of.begin(), of.end());
+    loops.apart[group].push_back(std::move(speed));
+  }
+}
+
+Eigen::MatrixXd SimbodySystem::jacobian_of_loops() const {
+  Eigen::MatrixXd by_speeds = Eigen::MatrixXd::Zero(matter.getNumMobilities(), loops.equations);
+  SimTK::Vector bias;
+  matter.calcBiasForMultiplyByG(state, bias);
+  for (const std::vector<LoopsOfSpeed>& group : loops.apart) {
+    SimTK::Vector speeds(matter.getNumMobilities(), 0.0);
+    for (const LoopsOfSpeed& one : group) speeds[one.speed] = 1;
+    SimTK::Vector opening;
+    matter.multiplyByG(state, speeds, bias, opening);
+    for (const LoopsOfSpeed& one : group) {
+      for (const int first : one.first_equations) {
+        for (int k = first; k < first + equations_of_a_loop; ++k) by_speeds(one.speed, k) = opening[k];
+      }
+    }
+  }
+  return by_speeds;
 }
 
 void SimbodySystem::realize(const double* y, SimTK::Stage stage) {
@@ -65,18 +122,12 @@ void SimbodySystem::find_loops() {
   const std::vector<double> now = numbers(state.getQ());
   if (loops.equations == 0 || now == loops.coordinates) return;
   loops.coordinates = now;
-  SimTK::Matrix jacobian;
-  matter.calcG(state, jacobian);
-  Eigen::MatrixXd turned(jacobian.ncol(), jacobian.nrow());
-  for (int i = 0; i < jacobian.nrow(); ++i) {
-    for (int j = 0; j < jacobian.ncol(); ++j) turned(j, i) = jacobian(i, j);
-  }
   loops.factors.setThreshold(implied);
-  loops.factors.compute(turned);
+  loops.factors.compute(jacobian_of_loops());
   if (loops.rank < 0) loops.rank = loops.factors.rank();
   const Eigen::Index rank = loops.rank;
-  loops.closure.free = Eigen::MatrixXd::Zero(turned.rows(), turned.rows() - rank);
-  loops.closure.free.bottomRows(turned.rows() - rank).setIdentity();
+  loops.closure.free = Eigen::MatrixXd::Zero(loops.factors.rows(), loops.factors.rows() - rank);
+  loops.closure.free.bottomRows(loops.factors.rows() - rank).setIdentity();
   loops.closure.free.applyOnTheLeft(loops.factors.householderQ());
   const Eigen::VectorXd open = eigen(state.getQErr()).head(loops.equations);
   loops.closure.error = open.cwiseAbs().maxCoeff();
@@ -139,7 +190,8 @@ void SimbodySystem::add(const Branch& branch) {
   SimTK::MobilizedBody& made = hung.back().bodies.back();
   if (branch.again) {
     SimTK::Constraint::Weld(bodies[branch.body], made);
-    loops.equations += 6;
+    loops.welded.push_back({bodies[branch.body], made});
+    loops.equations += equations_of_a_loop;
   } else {
     bodies[branch.body] = made;
   }

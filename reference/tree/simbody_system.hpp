@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/QR>
+#include <array>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -16,9 +17,19 @@
 
 namespace odeval::reference {
 
+/// A speed, and of each loop that it may change the first equation.
+struct LoopsOfSpeed {
+  int speed;
+  std::vector<int> first_equations;
+};
+
 /// The speeds that loops allow, at the coordinates of the last state that was asked for.
 struct Loops {
-  int equations = 0;  // 0: there are none
+  int equations = 0;                                        // 0: there are none
+  std::vector<std::array<SimTK::MobilizedBody, 2>> welded;  // by loops: the two that have to be one
+  /// All that change a loop, in groups that have no loop in common: one product of the constraints' Jacobian tells what
+  /// each of a group does.
+  std::vector<std::vector<LoopsOfSpeed>> apart;
   /// How many of them no others imply: as at t = 0. Where loops are not quite closed those that are implied look as if
   /// they were not.
   Eigen::Index rank = -1;
@@ -56,6 +67,8 @@ struct SimbodySystem {
 
   /// Of the state that was realized last, to velocities.
   void find_loops();
+  /// What each speed does to the loops' equations, by rows.
+  Eigen::MatrixXd jacobian_of_loops() const;
 
   /// Accelerations that keep loops closed: `least`, which are the least ones that do where nothing else acts, and what
   /// the forces add that those leave over.
@@ -73,6 +86,7 @@ struct SimbodySystem {
   double parts_of(std::size_t body) const;
   void add(const Branch& branch);
   void add(const Strut& strut);
+  void sort_speeds_by_loops();
   void set_speed(const Branch& branch, const Chain& chain);
 };
 
