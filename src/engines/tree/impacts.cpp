@@ -18,7 +18,10 @@ void Impacts::look(double from_s, const Touched& touched, const std::vector<Plac
   for (Watched& one : watched_) {
     const ImpactView& view = one.view;
     const double height = dot(view.normal, after[view.body].position_m);
-    const double depth = view.touches_at ? *view.touches_at - height : touched.depth;
+    // Engines that bounce within a step may have it clear of what it struck at the end: then it touched at the
+    // beginning.
+    const double lowest = std::min(height, dot(view.normal, before[view.body].position_m));
+    const double depth = view.touches_at ? *view.touches_at - lowest : touched.depth;
     const bool touching = touched.contacts > 0 && (!view.touches_at || depth >= 0 || one.touching);
     const double approach = rate(view, before);
     const bool lies = from_s == 0 && approach >= 0;
