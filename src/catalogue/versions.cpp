@@ -2,6 +2,7 @@
 
 #include <sys/utsname.h>
 
+#include <algorithm>
 #include <fstream>
 #include <thread>
 
@@ -52,6 +53,27 @@ NamedTexts versions() {
           {"compiler", ODEVAL_COMPILER},
           {"flags", ODEVAL_FLAGS},
           {"release", release()}};
+}
+
+NamedTexts engine_versions(std::span<const Method* const> asked) {
+  Scenario any;  // which all do
+  any.duration_s = any.step_s;
+  any.mechanism.bodies = {{.shape = Box{{1, 1, 1}}, .mass_kg = 1}};
+  NamedTexts found;
+  for (const Method* const method : asked) {
+    if (!method->tells || method->make == nullptr) continue;
+    const std::string engine(method->name.substr(0, method->name.find('-')));
+    if (std::ranges::find(found, engine, [](const auto& one) { return one.first; }) != found.end()) continue;
+    const Told told = method->make(any, sample_grid(any))->told();
+    found.emplace_back(engine, std::get<std::string>(told.front().second));
+  }
+  return found;
+}
+
+NamedTexts engine_versions() {
+  std::vector<const Method*> all;
+  for (const Method& method : methods()) all.push_back(&method);
+  return engine_versions(all);
 }
 
 NamedTexts machine() {

@@ -47,9 +47,12 @@ std::vector<Plan> plans_of(const BenchOptions& options) {
   return plans;
 }
 
-NamedTexts environment() {
+NamedTexts environment(const std::vector<Plan>& plans) {
   auto texts = catalogue::machine();
   for (const auto& version : catalogue::versions()) texts.push_back(version);
+  std::vector<const catalogue::Method*> methods;
+  for (const Plan& plan : plans) methods.insert(methods.end(), plan.methods.begin(), plan.methods.end());
+  for (const auto& version : catalogue::engine_versions(methods)) texts.push_back(version);
   return texts;
 }
 
@@ -90,7 +93,7 @@ int bench_at_equal_steps(const BenchOptions& options) {
   }
 
   const std::filesystem::path folder(options.out);
-  const std::string json = timing_json(rows, table_5_2, environment());
+  const std::string json = timing_json(rows, table_5_2, environment(plans));
   write_whole(folder / "timing.csv", timing_csv(rows));
   write_whole(folder / "timing.json", json);
   if (options.json) {
@@ -146,7 +149,7 @@ int bench_at_equal_error(const BenchOptions& options) {
   }
 
   const std::filesystem::path folder(options.out);
-  const std::string json = equal_error_json(rows, options.equal_error, options.until, environment());
+  const std::string json = equal_error_json(rows, options.equal_error, options.until, environment(plans));
   write_whole(folder / "equal_error.csv", equal_error_csv(rows, options.equal_error, options.until));
   write_whole(folder / "equal_error.json", json);
   if (options.json) {

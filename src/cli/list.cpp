@@ -44,6 +44,13 @@ Listing keys() {
   return listing;
 }
 
+/// The engines beside ODE have to be loaded for theirs.
+Listing versions() {
+  Listing listing{"versions", catalogue::versions()};
+  for (const auto& engine : catalogue::engine_versions()) listing.rows.push_back(engine);
+  return listing;
+}
+
 std::vector<Listing> listings() {
   Listing scenarios{"scenarios", {}};
   for (const std::string& name : scenario_names(catalogue::scenario_folder())) {
@@ -65,11 +72,14 @@ std::vector<Listing> listings() {
   for (const Command& command : commands()) {
     names.rows.push_back({std::string(command.name), std::string(command.summary)});
   }
-  return {scenarios, methods, metrics, keys(), names, {"versions", catalogue::versions()}};
+  return {scenarios, methods, metrics, keys(), names};
 }
 
 int list(const Options& options) {
   std::vector<Listing> all = listings();
+  if ((options.kind.empty() && options.names.empty()) || options.kind == "versions" || options.names == "versions") {
+    all.push_back(versions());
+  }
   if (!options.kind.empty()) std::erase_if(all, [&](const Listing& listing) { return listing.name != options.kind; });
   if (!options.names.empty()) {
     const auto wanted = std::ranges::find(all, options.names, &Listing::name);

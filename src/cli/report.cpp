@@ -126,6 +126,7 @@ std::vector<report::Section> run_experiments(Laboratory& laboratory, report::Fin
 
 std::vector<std::pair<std::string, std::string>> environment() {
   auto all = catalogue::versions();
+  for (const auto& engine : catalogue::engine_versions()) all.push_back(engine);
   all.emplace_back("figures", report::gnuplot_version());
   all.emplace_back("pictures", "OpenGL " + render::opengl_version());
   for (const auto& part : catalogue::machine()) all.push_back(part);

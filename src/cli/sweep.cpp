@@ -79,9 +79,11 @@ std::vector<std::string> unread_by(const std::string& key, const std::vector<con
   return names;
 }
 
-std::string versions_text() {
+/// Of all that has a part in the runs: engines may be replaced where the program stays.
+std::string versions_text(const std::vector<const catalogue::Method*>& methods) {
   std::string text;
   for (const auto& [name, version] : catalogue::versions()) text += name + ' ' + version + '\n';
+  for (const auto& [name, version] : catalogue::engine_versions(methods)) text += name + ' ' + version + '\n';
   return text;
 }
 
@@ -154,7 +156,7 @@ int sweep_grid(const Options& options) {
   catalogue::GridRuns runs(file, settings, known_names(), sweep::Grid(std::move(axes)));
   const sweep::Head head{base.name,           sweep::parse_shard(options.shard),
                          runs.grid().axes(),  result_columns(),
-                         file.text(settings), versions_text()};
+                         file.text(settings), versions_text(methods)};
   std::vector<std::uint32_t> groups;
   {
     Progress progress(0, options.answer.quiet);
