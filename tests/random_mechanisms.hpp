@@ -83,21 +83,41 @@ inline Scenario grown(unsigned seed, std::size_t count, std::size_t kinds = simp
 
 inline Scenario grown(unsigned seed) { return grown(seed, 3 + seed % 4); }
 
-/// Springs, torques and controllers on every hinge and slider, of the sizes that such bodies feel.
-inline void load(Scenario& scenario, unsigned seed) {
-  Random random(seed + 1000);
+/// A spring, a torque and a controller of the sizes that such bodies feel, on a Joint or an AxisDrive.
+template <class Loaded>
+void load_one(Random& random, Loaded& one) {
   const auto signal = [&] {
     return Signal{.constant = random.within(-1, 1),
                   .amplitude = random.within(-1, 1),
                   .frequency_Hz = random.within(0.5, 3),
                   .phase_rad = random.within(-3, 3)};
   };
+  one.springs = {{random.within(0, 4), random.within(0, 0.1), random.within(-0.5, 0.5)}};
+  one.torques = {signal()};
+  one.controllers = {{.kp = random.within(0, 2), .kd = random.within(0, 0.05), .target = signal()}};
+}
+
+/// They act on every hinge and slider.
+inline void load(Scenario& scenario, unsigned seed) {
+  Random random(seed + 1000);
   for (Joint& joint : scenario.mechanism.joints) {
     if (!std::holds_alternative<HingeJoint>(joint.kind) && !std::holds_alternative<SliderJoint>(joint.kind)) continue;
-    joint.springs = {{random.within(0, 4), random.within(0, 0.1), random.within(-0.5, 0.5)}};
-    joint.torques = {signal()};
-    joint.controllers = {{.kp = random.within(0, 2), .kd = random.within(0, 0.05), .target = signal()}};
+    load_one(random, joint);
   }
+}
+
+/// They act on every motion of joints with several.
+inline std::size_t load_motions(Scenario& scenario, unsigned seed) {
+  Random random(seed + 3000);
+  std::size_t loaded = 0;
+  for (Joint& joint : scenario.mechanism.joints) {
+    const std::size_t motions = driveable_of(joint.kind).size();
+    for (std::size_t k = 0; k < motions; ++k) {
+      load_one(random, joint.drives.emplace_back(AxisDrive{.motion = k, .number = k + 1}));
+      ++loaded;
+    }
+  }
+  return loaded;
 }
 
 /// What all joints hold, by rows, of velocity and spin of each body in turn.

@@ -55,7 +55,9 @@ enum class Feature : std::uint8_t {
   rare_joints,     // ODE's kinds that other engines do not have
   struts,          // springs between points of bodies
   rare_shapes,     // contacts of shapes that other engines are not given
-  axis_motors,     // of joints with several motions
+  axis_drives,     // motors, stops and loads of joints with several motions
+  cross_stops,     // stops of turns of kinds that cross two axes, universal and pu
+  plane_motors,    // of plane2d
 };
 
 /// The features in words ("friction"), in the order of the enumeration.

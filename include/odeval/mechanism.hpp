@@ -164,13 +164,14 @@ struct Freedom {
 /// Of a kind; empty of one that leaves nothing.
 Freedom freedom_of(const JointKind& kind);
 
-/// One of the motions of a joint that leaves several, which a motor may drive: a turn about an axis, or a way along it.
+/// One of the motions of a joint that leaves several, which may be driven: a turn about an axis, or a way along it.
 struct Driveable {
   bool slides = false;
   Vec3 axis{};  // unit
 };
-/// Those of a kind, in the order of its axes; of a piston the way and then the turn. Empty of kinds with one motion, or
-/// whose motions have no axes of their own.
+/// Those of a kind, in the order of its axes; of a piston the way and then the turn, of a plane the ways of the body's
+/// centre along the world's x and y and the turn about z. Empty of kinds with one motion, or whose motions have no axes
+/// of their own.
 std::vector<Driveable> driveable_of(const JointKind& kind);
 
 // What drives, stops and loads a joint that leaves one motion, a hinge or a slider. All of it counts along the axis:
@@ -181,12 +182,6 @@ std::vector<Driveable> driveable_of(const JointKind& kind);
 struct Motor {
   double speed = 0;  // wanted, rad/s or m/s
   double most = 0;   // never more, either way, N m or N
-};
-/// A motor of one of several motions. It counts as that of a hinge or a slider does, about or along its axis.
-struct AxisMotor {
-  std::size_t motion = 0;  // number in driveable_of
-  Motor motor{};
-  std::string key = {};  // its table in a file: "motor2"
 };
 /// Ends of a joint's way, rad or m.
 struct Stop {
@@ -218,6 +213,16 @@ struct Controller {
   Signal target{};       // rad or m
   bool sampled = false;  // once a step, and held over it, as programs do it; else at every moment
 };
+/// What drives, stops and loads one of several motions. It counts as of a hinge or a slider, about or along its axis.
+struct AxisDrive {
+  std::size_t motion = 0;           // number in driveable_of
+  std::size_t number = 0;           // that files have for it, from 1
+  std::optional<Motor> motor = {};  // these as of a Joint
+  std::optional<Stop> stop = {};
+  std::vector<JointSpring> springs = {};
+  std::vector<Signal> torques = {};
+  std::vector<Controller> controllers = {};
+};
 
 /// Between two bodies, or a body and the world.
 struct Joint {
@@ -231,12 +236,12 @@ struct Joint {
   std::vector<Signal> torques = {};  // of a slider forces
   std::vector<Controller> controllers = {};
   std::string name = {};               // for tables and files; need not be there
-  std::vector<AxisMotor> motors = {};  // of a kind with several motions, instead of `motor`
+  std::vector<AxisDrive> drives = {};  // of a kind with several motions, instead of these; each with something in it
 
   /// The body whose force the joint tells: the second, or the first where the second is the world.
   std::size_t carried() const { return second.value_or(first); }
   /// Whether anything drives, stops or loads it.
-  bool driven() const { return motor || stop || loaded() || !motors.empty(); }
+  bool driven() const { return motor || stop || loaded() || !drives.empty(); }
   /// Whether springs, torques or controllers act on it.
   bool loaded() const { return !springs.empty() || !torques.empty() || !controllers.empty(); }
   /// Whether a controller looks at it once a step.
@@ -246,6 +251,9 @@ struct Joint {
   /// Of the controllers that look once a step.
   double sampled_load(double t, double q, double rate) const;
 };
+
+/// The joint with what acts on one of its several motions in the place of what acts on a hinge or a slider.
+Joint alone(const Joint& joint, const AxisDrive& drive);
 
 /// A spring and a damper on the straight line between a point of one body and a point of another, or of the world. It
 /// pulls by stiffness (length - rest) + damping d(length)/dt.

@@ -37,6 +37,14 @@ struct Robot {
     std::optional<Mass> mass = {};
     std::vector<Solid> solids = {};
   };
+  /// What stops, brakes and loads a motion of a joint.
+  struct Acting {
+    std::optional<std::pair<double, double>> limits_q = {};  // rad or m
+    double damping = 0;                                      // N m s/rad or N s/m
+    double friction = 0;                                     // N m or N
+    double stiffness = 0;                                    // N m/rad or N/m
+    double rest = 0;                                         // rad or m, of that spring
+  };
   struct Joint {
     enum class Kind { fixed, hinge, slider, ball, universal, free };
     std::string name;
@@ -46,12 +54,9 @@ struct Robot {
     Frame link;                         // of the child, in the joint's
     Vec3 axis{1, 0, 0};                 // unit, in the joint's frame; of a universal joint the parent's
     Vec3 axis2{0, 1, 0};                // of a universal joint the child's
-    std::optional<std::pair<double, double>> limits_q = {};  // rad or m
-    double damping = 0;                                      // N m s/rad or N s/m
-    double friction = 0;                                     // N m or N
-    double stiffness = 0;                                    // N m/rad or N/m
-    double rest = 0;                                         // rad or m, of that spring
-    double start = 0;                                        // where it stands at t = 0, rad or m
+    Acting acting{};                    // of a universal joint about the parent's axis
+    Acting acting2{};                   // of a universal joint about the child's
+    double start = 0;                   // where it stands at t = 0, rad or m; of a universal joint at 0
   };
   /// What is read by a rule that is worth saying, or not at all.
   struct Remark {

@@ -40,13 +40,14 @@ struct MotorUse {
   std::size_t joint = 0;          // number
   double share = 0;               // of the time of the run, 0 to 1
   std::optional<double> first_s;  // when it came to its limit first
-  std::string key = {};           // of a joint with several motions: the motor's table in a file
+  std::size_t motion = 0;         // of a joint with several: its number in files, from 1
 };
 
 /// A joint that strikes an end of its way. Numbers count as the joint's (mechanism.hpp).
 struct StopStrike {
   double t = 0;            // s, of the step that saw it, or of the moment itself
   std::size_t joint = 0;   // number
+  std::size_t motion = 0;  // of a joint with several: its number in files, from 1
   bool low = false;        // which end
   double rate_before = 0;  // rad/s or m/s
   double rate_after = 0;   // likewise

@@ -100,8 +100,9 @@ struct Hanging {
     SimTK::Force::MobilityLinearDamper(loads, slides, SimTK::MobilizerUIndex(0), wheel.damping);
     return chain;
   }
-  Chain operator()(const PlaneJoint& joint) const {
-    return on<SimTK::MobilizedBody::Planar>(SimTK::Rotation(), joint.anchor_m);
+  /// Its ways are those of the body's centre.
+  Chain operator()(const PlaneJoint&) const {
+    return on<SimTK::MobilizedBody::Planar>(SimTK::Rotation(), ours(place.p()));
   }
 
  private:
@@ -125,6 +126,7 @@ struct FindMobility {
     return {sliding(motion), motion == 0 ? 0 : turn(motion - 1)};
   }
   Mobility operator()(const Hinge2Joint&) const { return {sliding(1), turn(motion)}; }
+  Mobility operator()(const PlaneJoint&) const { return {0, motion == 2 ? 0 : static_cast<int>(motion) + 1}; }
   template <class Other>
   Mobility operator()(const Other&) const {
     throw std::logic_error("a joint that has no motion of several to drive");

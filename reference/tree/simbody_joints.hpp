@@ -26,7 +26,7 @@ struct HungOn {
 Chain hang(const HungOn& carrier, const SimTK::Body::Rigid& body, const SimTK::Transform& place, const JointKind& kind,
            SimTK::GeneralForceSubsystem& loads);
 
-/// Which of a chain's bodies has a motion of its joint that a motor may drive, and as which of its own.
+/// Which of a chain's bodies has a motion of its joint that may be driven, and as which of its own.
 struct Mobility {
   std::size_t body;
   int number;

@@ -21,7 +21,7 @@ class Tree final : public SimbodyTree {
   std::size_t first_speed() const override;
   Motion place_of_motion(std::size_t branch, std::size_t motion) const override;
   void push(std::size_t speed, double force) override;
-  Vec3 direction(const double* y, std::size_t branch, const Vec3& axis_at_start) override;
+  Vec3 direction(const double* y, std::size_t body, const Vec3& at_start) override;
   const std::vector<double>& kick(const double* y, std::size_t speed) override;
   Impulse impulse(const double* y, std::size_t body, std::optional<std::size_t> other, const Vec3& point,
                   const Vec3& direction) override;
@@ -66,11 +66,10 @@ std::size_t Tree::place_of_speed(std::size_t branch) const {
   return first_speed() + static_cast<std::size_t>(system_->place_of_speed(branch));
 }
 
-// Fixed in the body, which does not turn against what it slides on.
-Vec3 Tree::direction(const double* y, std::size_t branch, const Vec3& axis_at_start) {
+Vec3 Tree::direction(const double* y, std::size_t body, const Vec3& at_start) {
   system_->realize(y, SimTK::Stage::Position);
-  const SimTK::Rotation start = place_of(system_->mechanism.bodies[system_->tree[branch].body]).R();
-  return ours(system_->body_of(branch).getBodyRotation(system_->state) * (~start * simbody(axis_at_start)));
+  const SimTK::Rotation start = place_of(system_->mechanism.bodies[body]).R();
+  return ours(system_->bodies[body].getBodyRotation(system_->state) * (~start * simbody(at_start)));
 }
 
 SimbodyTree::Motion Tree::place_of_motion(std::size_t branch, std::size_t motion) const {

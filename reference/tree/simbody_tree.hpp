@@ -56,12 +56,12 @@ class SimbodyTree {
     std::size_t coordinate;
     std::size_t speed;
   };
-  /// Of the ones of a joint with several that a motor may drive (driveable_of).
+  /// Of the ones of a joint with several that may be driven (driveable_of).
   virtual Motion place_of_motion(std::size_t branch, std::size_t motion) const = 0;
   /// A force along the coordinate whose speed stands there, N m or N, from now on.
   virtual void push(std::size_t speed, double force) = 0;
-  /// Where that of a slider leads, in the world.
-  virtual Vec3 direction(const double* y, std::size_t branch, const Vec3& axis_at_start) = 0;
+  /// A direction that is fixed in a body, in the world.
+  virtual Vec3 direction(const double* y, std::size_t body, const Vec3& at_start) = 0;
   /// What a unit impulse along the coordinate whose speed stands there adds to all speeds, in their order in a state;
   /// stays until the next call.
   virtual const std::vector<double>& kick(const double* y, std::size_t speed) = 0;

@@ -39,6 +39,19 @@ double load(const TreeEquations::Axis& axis, double t, const double* y) {
   return axis.joint.steady_load(t, axis.q(y), axis.rate(y)) + (axis.held > 0 ? y[axis.held] : 0);
 }
 
+/// The axis at t = 0 of what slides; nothing of what turns.
+std::optional<Vec3> way_of(const TreeEquations::Axis& axis) {
+  if (const auto* const slider = std::get_if<SliderJoint>(&axis.joint.kind)) return slider->axis;
+  if (!axis.motion) return std::nullopt;
+  const Driveable motion = driveable_of(axis.joint.kind)[*axis.motion];
+  return motion.slides ? std::optional(motion.axis) : std::nullopt;
+}
+
+/// A body that a way is fixed in: of a slider both are, of a joint with several motions its first.
+std::size_t carrier_of_way(const TreeEquations::Axis& axis, const Branch& branch) {
+  return axis.motion ? axis.joint.first : branch.body;
+}
+
 }  // namespace
 
 TreeEquations::TreeEquations(const Scenario& scenario)
@@ -55,19 +68,12 @@ TreeEquations::TreeEquations(const Scenario& scenario)
     if (!branch.joint || !joints_[*branch.joint].driven()) continue;
     const Joint& joint = joints_[*branch.joint];
     const double sign = joint.first == branch.body ? 1.0 : -1.0;
-    for (const AxisMotor& each : joint.motors) {
-      const Joint alone{
-          .kind = joint.kind, .first = joint.first, .second = joint.second, .motor = each.motor, .name = joint.name};
+    for (const AxisDrive& each : joint.drives) {
       const auto [coordinate, speed] = simbody_->place_of_motion(i, each.motion);
-      axes_.push_back({alone, i, sign, coordinate, speed, 0, *branch.joint, each.key});
+      add_axis({alone(joint, each), i, sign, coordinate, speed, 0, *branch.joint, each.motion, each.number});
     }
-    if (!joint.motors.empty()) continue;
-    Axis axis{joint, i, sign, simbody_->place_of_coordinate(i), simbody_->place_of_speed(i), 0, *branch.joint, {}};
-    if (joint.sampled()) {
-      axis.held = start_.size();
-      start_.push_back(0);
-    }
-    axes_.push_back(axis);
+    if (!joint.drives.empty()) continue;
+    add_axis({joint, i, sign, simbody_->place_of_coordinate(i), simbody_->place_of_speed(i), 0, *branch.joint, {}, 0});
   }
   if (loops_ > 0) {
     const std::shared_ptr<const LoopChart> around = chart(start_);
@@ -82,6 +88,14 @@ TreeEquations::TreeEquations(const Scenario& scenario)
 }
 
 TreeEquations::~TreeEquations() = default;
+
+void TreeEquations::add_axis(Axis axis) {
+  if (axis.joint.sampled()) {
+    axis.held = start_.size();
+    start_.push_back(0);
+  }
+  axes_.push_back(std::move(axis));
+}
 
 std::string TreeEquations::version() const { return "Simbody " + simbody_->version(); }
 
@@ -158,10 +172,12 @@ void TreeEquations::show(const double* y, std::span<BodyState> bodies) const {
 void TreeEquations::forces(double t, const double* y, const Grips& grips, std::span<JointState> joints) const {
   if (!axes_.empty()) push(t, y, grips, holding(t, y, grips));
   std::vector<Vec3> on_body = simbody_->forces(y);
-  for (const Axis& axis : axes_) {  // a slider's load is a force, but not one of the joint
-    const auto* const slider = std::get_if<SliderJoint>(&axis.joint.kind);
-    if (slider == nullptr || !axis.joint.loaded()) continue;
-    const Vec3 along = simbody_->direction(y, axis.branch, slider->axis);
+  for (const Axis& axis : axes_) {  // the load of a way is a force, but not one of the joint
+    const std::optional<Vec3> way = way_of(axis);
+    if (!way || !axis.joint.loaded()) continue;
+    const Joint& joint = axis.joint;
+    const bool in_world = std::holds_alternative<PlaneJoint>(joint.kind);
+    const Vec3 along = in_world ? *way : simbody_->direction(y, carrier_of_way(axis, tree_[axis.branch]), *way);
     on_body[axis.branch] = on_body[axis.branch] - axis.sign * load(axis, t, y) * along;
   }
   for (std::size_t i = 0; i < tree_.size(); ++i) {
@@ -225,7 +241,8 @@ Grips TreeEquations::grips(double t, const double* y, std::optional<Released> re
   return grips;
 }
 
-// Newton's law of restitution along the axis that strikes; of the others on their stops, those that have to push.
+// Newton's law of restitution along the axis that strikes, and those that strike at once with it; of the others on
+// their stops, those that have to push.
 TreeEquations::Strike TreeEquations::strike(const double* y, std::size_t axis) const {
   Strike all;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
@@ -238,7 +255,7 @@ TreeEquations::Strike TreeEquations::strike(const double* y, std::size_t axis) c
     if (i != axis && std::fabs(std::fmin(above, below)) > at_end) continue;
     all.axes.push_back(i);
     all.away.push_back(away);
-    all.restitution.push_back(i == axis && approach * stop->restitution > rest_speed ? stop->restitution : 0);
+    all.restitution.push_back(approach * stop->restitution > rest_speed ? stop->restitution : 0);
   }
   const auto count = static_cast<Eigen::Index>(all.axes.size());
   const Eigen::VectorXd impulse = impulses(y, all, Eigen::VectorXd::Constant(count, unbounded));

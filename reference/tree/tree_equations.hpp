@@ -36,16 +36,17 @@ class TreeEquations {
  public:
   using State = std::vector<double>;
 
-  /// A joint that something drives, stops or loads; or one of several motions of a joint, that a motor drives.
+  /// A joint that something drives, stops or loads; or one of several motions of a joint, with what does so there.
   struct Axis {
     Joint joint;
-    std::size_t branch;  // number in the tree
-    double sign;         // of its way against the coordinate in the state
-    std::size_t way;     // places in a state
-    std::size_t speed;   // likewise
-    std::size_t held;    // likewise, of the held load where there is one
-    std::size_t number;  // of the joint
-    std::string key;     // of such a motor
+    std::size_t branch;                 // number in the tree
+    double sign;                        // of its way against the coordinate in the state
+    std::size_t way;                    // places in a state
+    std::size_t speed;                  // likewise
+    std::size_t held;                   // likewise, of the held load where there is one
+    std::size_t number;                 // of the joint
+    std::optional<std::size_t> motion;  // of several (driveable_of)
+    std::size_t in_file;                // its number in files; 0 of a joint with one
 
     double q(const double* y) const { return sign * y[way]; }
     double rate(const double* y) const { return sign * y[speed]; }
@@ -136,6 +137,7 @@ class TreeEquations {
   static constexpr double rest_speed = 1e-7;
 
  private:
+  void add_axis(Axis axis);
   struct Impacts;
   Impacts impacts(const double* y, const std::vector<std::size_t>& points) const;
   Eigen::VectorXd impulses(const double* y, const Strike& strike, const std::optional<Eigen::VectorXd>& most) const;

@@ -48,7 +48,7 @@ std::vector<StopStrike> strikes_at(const TreeEquations& equations, const TreeMot
     const double q = axis.q(change.after.data());
     const bool low = q - axis.joint.stop->low <= TreeEquations::at_end && before < 0;
     const bool high = axis.joint.stop->high - q <= TreeEquations::at_end && before > 0;
-    if ((low || high) && before != after) strikes.push_back({change.t, axis.number, low, before, after});
+    if ((low || high) && before != after) strikes.push_back({change.t, axis.number, axis.in_file, low, before, after});
   }
   return strikes;
 }
@@ -163,7 +163,7 @@ std::vector<MotorUse> TreeLedger::motors(double duration_s) const {
   std::vector<MotorUse> motors;
   for (std::size_t i = 0; i < uses_.size(); ++i) {
     const TreeEquations::Axis& axis = equations_.axes()[i];
-    if (axis.joint.motor) motors.push_back({axis.number, uses_[i].time_s / duration_s, uses_[i].first_s, axis.key});
+    if (axis.joint.motor) motors.push_back({axis.number, uses_[i].time_s / duration_s, uses_[i].first_s, axis.in_file});
   }
   return motors;
 }

@@ -61,8 +61,10 @@ constexpr Features driven_bodies =
     joined_bodies | bouncing_stops |
     Features{Feature::motors, Feature::loads, Feature::loops, Feature::rare_joints, Feature::struts};
 constexpr Features accurate =
-    touching_bodies | driven_bodies | Features{Feature::friction, Feature::rare_shapes, Feature::axis_motors};
-constexpr Features all_of_ode = accurate | Features{Feature::constant_friction, Feature::open_joints};
+    touching_bodies | driven_bodies | Features{Feature::friction, Feature::rare_shapes, Feature::axis_drives};
+// What the accurate step does not read off ODE.
+constexpr Features unread_of_ode{Feature::cross_stops, Feature::plane_motors};
+constexpr Features all_of_ode = accurate | unread_of_ode | Features{Feature::constant_friction, Feature::open_joints};
 constexpr Features closed_form{Feature::wall,
                                Feature::space,
                                Feature::ground,
@@ -130,7 +132,8 @@ std::vector<Method> methods_of_bodies() {
        reference::make_maximal_ode_step, rebuilt_step_settings(), hinge_rows_cfm},
       {"mechanism-cvode", "Simbody's equations of a tree", "SUNDIALS CVODE, Adams: the reference of trees of bodies", 0,
        tight.rtol, tight.atol,
-       any_chain | driven_bodies | Features{Feature::ground, Feature::rare_shapes, Feature::axis_motors},
+       any_chain | driven_bodies | unread_of_ode |
+           Features{Feature::ground, Feature::rare_shapes, Feature::axis_drives},
        reference::mechanism_cvode, tolerance_settings(), mass_matrix,
        "this build has no Simbody (libsimbody-dev); scripts/install-deps installs it, then configure again"},
       {"analytic", "closed form", "elliptic functions and the like", 0, 0, 0, closed_form, reference::make_analytic,

@@ -28,8 +28,8 @@ void pass(Way& way, Value& joint) {
 template <class Way, class Value>
 requires bytes::is<Value, StopStrike>
 void pass(Way& way, Value& strike) {
-  auto& [t, joint, low, rate_before, rate_after] = strike;
-  each(way, t, joint, low, rate_before, rate_after);
+  auto& [t, joint, motion, low, rate_before, rate_after] = strike;
+  each(way, t, joint, motion, low, rate_before, rate_after);
 }
 
 template <class Way, class Value>

@@ -88,6 +88,7 @@ void add_loads(Definition& all, const char* list, const std::vector<LoadTable<Lo
   for (std::size_t i = 0; i < tables.size(); ++i) {
     Section section(all, fmt::format("{}.{}", list, i));
     section.add("joint", tables[i].joint);
+    if (tables[i].motion != 0) section.add("motion", static_cast<std::int64_t>(tables[i].motion));
     add_load(section, tables[i].load);
   }
 }
@@ -111,9 +112,10 @@ void add_joint_of_tree(Section section, const JointTable& joint) {
   if (joint.kind->axes > 2) section.add("axis3", joint.axis3);
   if (joint.kind->suspended) section.add("suspension", std::vector(joint.suspension.begin(), joint.suspension.end()));
   if (!joint.name.empty()) section.add("name", joint.name);
-  if (joint.stop) {
-    section.add("stops", std::vector{joint.stop->low, joint.stop->high})
-        .add("stop_restitution", joint.stop->restitution);
+  for (std::size_t k = 0; k < joint.stops.size(); ++k) {
+    const auto& stop = joint.stops[k];
+    if (!stop) continue;
+    section.add(stop_keys[k], std::vector{stop->low, stop->high}).add(restitution_keys[k], stop->restitution);
   }
   for (std::size_t k = 0; k < joint.motors.size(); ++k) {
     const std::string key = motor_keys[k];

@@ -66,14 +66,17 @@ struct JointTable {
   std::string name = {};  // empty: "joint" and its number, from 1
   // As in a Joint, but of the child against the parent.
   std::array<std::optional<Motor>, 3> motors = {};  // tables motor, motor2 and motor3; the last two of several motions
-  std::optional<Stop> stop = {};
+  std::array<std::optional<Stop>, 3> stops = {};    // keys stops, stops2 and stops3, likewise
 };
 inline constexpr std::array motor_keys{"motor", "motor2", "motor3"};
+inline constexpr std::array stop_keys{"stops", "stops2", "stops3"};
+inline constexpr std::array restitution_keys{"stop_restitution", "stop_restitution2", "stop_restitution3"};
 
 /// One table [[springs]], [[torques]] or [[controllers]]: what acts, and the name of the joint that it acts on.
 template <class Load>
 struct LoadTable {
   std::string joint;
+  std::size_t motion = 0;  // of a joint with several, from 1; 0: it says none
   Load load{};
 };
 

@@ -9,7 +9,7 @@
 namespace odeval {
 namespace {
 
-constexpr std::array<std::string_view, 20> names{
+constexpr std::array<std::string_view, 22> names{
     "bodies in space",
     "more than one link",
     "more than two links",
@@ -29,10 +29,12 @@ constexpr std::array<std::string_view, 20> names{
     "joints piston, pr, pu, hinge2 or plane2d",
     "struts",
     "contacts of cylinders, capsules or several shapes of a body",
-    "motors of joints with several motions",
+    "motors, stops, springs, torques and controllers of joints with several motions",
+    "stops of turns of joints universal and pu",
+    "motors of joints plane2d",
 };
 
-static_assert(names.size() == static_cast<std::size_t>(Feature::axis_motors) + 1, "a name for each");
+static_assert(names.size() == static_cast<std::size_t>(Feature::plane_motors) + 1, "a name for each");
 
 void add_of_links(Features& asked, std::size_t links, bool touching) {
   if (links > 1) asked.add(Feature::several_links);
@@ -78,6 +80,26 @@ struct IsRare {
   bool operator()(const PlaneJoint&) const { return true; }
 };
 
+void add_of_drive(Features& asked, const Joint& joint) {
+  if (joint.motor) asked.add(Feature::motors);
+  if (joint.stop) asked.add(Feature::stops);
+  if (joint.stop && joint.stop->restitution > 0) asked.add(Feature::bouncing_stops);
+  if (joint.loaded()) asked.add(Feature::loads);
+}
+
+void add_of_drives(Features& asked, const Joint& joint) {
+  add_of_drive(asked, joint);
+  const bool crosses =
+      std::holds_alternative<UniversalJoint>(joint.kind) || std::holds_alternative<SlidingUniversalJoint>(joint.kind);
+  const std::vector<Driveable> motions = driveable_of(joint.kind);
+  for (const AxisDrive& drive : joint.drives) {
+    asked.add(Feature::axis_drives);
+    add_of_drive(asked, alone(joint, drive));
+    if (drive.stop && crosses && !motions[drive.motion].slides) asked.add(Feature::cross_stops);
+    if (drive.motor && std::holds_alternative<PlaneJoint>(joint.kind)) asked.add(Feature::plane_motors);
+  }
+}
+
 }  // namespace
 
 std::span<const std::string_view> feature_names() { return names; }
@@ -96,11 +118,7 @@ Features features_of(const Scenario& scenario) {
   }
   for (const Joint& joint : mechanism.joints) {
     if (joint.opening_m != Vec3{}) asked.add(Feature::open_joints);
-    if (joint.motor) asked.add(Feature::motors);
-    if (!joint.motors.empty()) asked.add(Feature::axis_motors);
-    if (joint.stop) asked.add(Feature::stops);
-    if (joint.stop && joint.stop->restitution > 0) asked.add(Feature::bouncing_stops);
-    if (joint.loaded()) asked.add(Feature::loads);
+    add_of_drives(asked, joint);
     if (std::visit(IsRare{}, joint.kind)) asked.add(Feature::rare_joints);
   }
   if (!mechanism.struts.empty()) asked.add(Feature::struts);

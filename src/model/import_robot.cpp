@@ -149,44 +149,54 @@ class Import {
       if (joint.kind == Kind::fixed && !joint.name.empty()) {
         robot_.remark("fixed joints", "none in the scenario: what they hold together is one body", joint.name);
       }
-      check_number(joint, "damping", joint.damping, 0, 1e12);
-      check_number(joint, "friction", joint.friction, 0, 1e9);
-      check_number(joint, "spring_stiffness", joint.stiffness, 0, 1e12);
-      if (joint.friction > 0 && options_.drop_friction) {
-        robot_.remark("friction", "not taken, as --friction drop asks", joint.name);
-        joint.friction = 0;
-      }
-      settle_limits(joint);
+      settle(joint, joint.acting);
+      settle(joint, joint.acting2);
     }
     if (moving == 0) fail("has no joint that moves; one is wanted that is not fixed or floating");
   }
 
-  /// A joint starts at 0, or where it may not at the middle of its way.
-  void settle_limits(Robot::Joint& joint) {
-    if (!joint.limits_q) return;
-    const auto [low, high] = *joint.limits_q;
+  static std::string word_of(const Robot::Joint& joint, const Robot::Acting& acting) {
+    return &acting == &joint.acting2 ? joint.name + " axis2" : joint.name;
+  }
+
+  void settle(Robot::Joint& joint, Robot::Acting& acting) {
+    check_number(joint, "damping", acting.damping, 0, 1e12);
+    check_number(joint, "friction", acting.friction, 0, 1e9);
+    check_number(joint, "spring_stiffness", acting.stiffness, 0, 1e12);
+    if (acting.friction > 0 && options_.drop_friction) {
+      robot_.remark("friction", "not taken, as --friction drop asks", word_of(joint, acting));
+      acting.friction = 0;
+    }
+    if (acting.limits_q && !keeps_limits(joint, acting)) acting.limits_q.reset();
+  }
+
+  /// A joint starts at 0, or where it may not at the middle of its way; a universal one at 0.
+  bool keeps_limits(Robot::Joint& joint, const Robot::Acting& acting) {
+    const auto [low, high] = *acting.limits_q;
     check_number(joint, "limit lower", low, -1e300, 1e300);
     check_number(joint, "limit upper", high, -1e300, 1e300);
-    if (!(low < high)) {
-      if (low > high) {
-        fail(fmt::format("joint '{}': limit lower = {}: must be at most upper, {}", named(joint.name), low, high));
-      }
-      robot_.remark("limits", "not taken: the lower is the upper one", joint.name);
-      joint.limits_q.reset();
-      return;
+    const auto leaves = [&](const char* why) {
+      robot_.remark("limits", why, word_of(joint, acting));
+      return false;
+    };
+    if (low > high) {
+      fail(fmt::format("joint '{}': limit lower = {}: must be at most upper, {}", named(joint.name), low, high));
     }
-    if (low > 0 || high < 0) {
+    if (low == high) return leaves("not taken: the lower is the upper one");
+    const bool outside = low > 0 || high < 0;
+    if (outside && joint.kind == Kind::universal) {
+      return leaves("not taken: of a universal joint, which starts at 0, outside of them");
+    }
+    if (outside) {
       joint.start = low + (high - low) / 2;
       robot_.remark("start", "at the middle of the limits, which 0 is outside of",
                     fmt::format("{} at {:.6g}", joint.name, joint.start));
     }
-    const double most = joint.kind == Kind::hinge ? std::numbers::pi : 1e4;  // of a file's stops
-    if (low - joint.start > -most && high - joint.start < most) return;
-    robot_.remark("limits",
-                  joint.kind == Kind::hinge ? "not taken: ODE has no stops beyond half a turn from the start"
-                                            : "not taken: 10 km or more from the start",
-                  joint.name);
-    joint.limits_q.reset();
+    const bool turns = joint.kind != Kind::slider;
+    const double most = turns ? std::numbers::pi : 1e4;  // of a file's stops
+    if (low - joint.start > -most && high - joint.start < most) return true;
+    return leaves(turns ? "not taken: ODE has no stops beyond half a turn from the start"
+                        : "not taken: 10 km or more from the start");
   }
 
   void place_links() {
@@ -359,6 +369,8 @@ class Import {
   void write_bodies(std::string& text) const;
   static void write_shape(std::string& text, const Lump& lump, const Robot::Solid& solid);
   void write_joint(std::string& text, std::size_t link, const std::string& name) const;
+  void write_spring(std::string& text, const Robot::Joint& joint, const Robot::Acting& acting, const std::string& name,
+                    int motion);
 
   const std::filesystem::path& file_;
   const ImportOptions& options_;
@@ -410,11 +422,31 @@ void Import::write_joint(std::string& text, std::size_t link, const std::string&
       words[static_cast<std::size_t>(joint.kind)], parent, lumps_[*out_.body_of[link]].name, shown(place.position_m));
   if (joint.kind != Kind::ball) text += fmt::format("axis     = {}\n", shown(turned(place.rotation, joint.axis)));
   if (joint.kind == Kind::universal) text += fmt::format("axis2    = {}\n", shown(turned(place.rotation, joint.axis2)));
-  if (joint.limits_q) {
-    text +=
-        fmt::format("stops    = [{}, {}]\n", joint.limits_q->first - joint.start, joint.limits_q->second - joint.start);
+  const auto add = [&](const Robot::Acting& acting, const char* number) {
+    if (acting.limits_q) {
+      const auto [low, high] = *acting.limits_q;
+      text += fmt::format("{:<9}= [{}, {}]\n", fmt::format("stops{}", number), low - joint.start, high - joint.start);
+    }
+    if (acting.friction == 0) return;
+    text += fmt::format("{:<9}= {{ velocity = 0.0, force = {} }}\n", fmt::format("motor{}", number), acting.friction);
+  };
+  add(joint.acting, "");
+  if (joint.kind == Kind::universal) add(joint.acting2, "2");
+}
+
+/// Damping and springs of a joint, or of one of its motions by its number.
+void Import::write_spring(std::string& text, const Robot::Joint& joint, const Robot::Acting& acting,
+                          const std::string& name, int motion) {
+  if (acting.friction > 0) {
+    robot_.remark("friction", "as a motor that keeps a speed of 0 by at most that much; --friction drop leaves it out",
+                  word_of(joint, acting));
   }
-  if (joint.friction > 0) text += fmt::format("motor    = {{ velocity = 0.0, force = {} }}\n", joint.friction);
+  if (acting.damping == 0 && acting.stiffness == 0) return;
+  robot_.remark("damping and springs", "as [[springs]]", word_of(joint, acting));
+  text += fmt::format("\n[[springs]]\njoint     = \"{}\"\n", name);
+  if (motion != 0) text += fmt::format("motion    = {}\n", motion);
+  text += fmt::format("stiffness = {}\ndamping   = {}\nrest      = {}\n", acting.stiffness, acting.damping,
+                      acting.rest - joint.start);
 }
 
 void Import::write() {
@@ -427,15 +459,9 @@ void Import::write() {
     if (joint.kind == Kind::free) continue;
     const std::string name = joint_names_.of(joint.name, "joint");
     write_joint(joints, lump.base, name);
-    if (joint.friction > 0) {
-      robot_.remark("friction",
-                    "as a motor that keeps a speed of 0 by at most that much; --friction drop leaves it out",
-                    joint.name);
-    }
-    if (joint.damping == 0 && joint.stiffness == 0) continue;
-    robot_.remark("damping and springs", "as [[springs]]", joint.name);
-    springs += fmt::format("\n[[springs]]\njoint     = \"{}\"\nstiffness = {}\ndamping   = {}\nrest      = {}\n", name,
-                           joint.stiffness, joint.damping, joint.rest - joint.start);
+    const bool two = joint.kind == Kind::universal;
+    write_spring(springs, joint, joint.acting, name, two ? 1 : 0);
+    if (two) write_spring(springs, joint, joint.acting2, name, 2);
   }
   std::string& text = out_.toml;
   text = fmt::format("# {} by odeval convert, from {}\n", one_line(robot_.name, 60), robot_.format);

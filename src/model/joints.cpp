@@ -160,42 +160,56 @@ void settle_axes(Draft& draft, std::size_t number) {
 
 void check_motors(const Draft& draft, std::size_t number) {
   const JointTable& joint = draft.said.joints[number];
-  for (std::size_t k = joint.kind->driven ? 1 : static_cast<std::size_t>(joint.kind->motors); k < joint.motors.size();
-       ++k) {
-    if (!joint.motors[k]) continue;
-    draft.fail(path_of("joints", number, motor_keys[k]), "",
-               fmt::format("has no meaning for kind {}; remove it", joint.kind->word), Draft::Blame::parts);
-  }
   for (std::size_t k = 0; k < joint.motors.size(); ++k) {
-    if (!joint.motors[k] || joint.motors[k]->most != 0) continue;
+    if (!joint.motors[k]) continue;
+    if (k >= joint.kind->motions) {
+      draft.fail(path_of("joints", number, motor_keys[k]), "",
+                 fmt::format("has no meaning for kind {}; remove it", joint.kind->word), Draft::Blame::parts);
+    }
+    if (joint.motors[k]->most != 0) continue;
     draft.fail(path_of("joints", number, motor_keys[k]) + ".force", "0",
                fmt::format("does nothing; it must be above 0, or the table {} is to be removed", motor_keys[k]));
   }
 }
 
-/// Stops are of joints with one way to go, which starts between them.
-void check_drive(const Draft& draft, std::size_t number) {
-  check_motors(draft, number);
+/// Whether a motion of a kind, counted from 0, is a turn.
+bool turns(const JointTable& joint, std::size_t motion) {
+  const JointKind kind = joint.kind->make(joint);
+  const std::vector<Driveable> several = driveable_of(kind);
+  return several.empty() ? std::holds_alternative<HingeJoint>(kind) : !several[motion].slides;
+}
+
+/// Of one motion, which starts between its ends.
+void check_stop(const Draft& draft, std::size_t number, std::size_t k) {
   const JointTable& joint = draft.said.joints[number];
   const toml::table& table = *draft.tree["joints"][number].as_table();
-  for (const char* key : {"stops", "stop_restitution"}) {
-    if (!table.contains(key) || joint.kind->driven) continue;
+  for (const char* key : {stop_keys[k], restitution_keys[k]}) {
+    if (!table.contains(key) || k < joint.kind->stopped) continue;
     draft.fail(path_of("joints", number, key), "",
-               fmt::format("has no meaning for kind {}, but for a hinge or a slider; remove it", joint.kind->word),
+               fmt::format("has no meaning for kind {}{}; remove it", joint.kind->word,
+                           k < joint.kind->motions ? ", for which ODE has no such stops" : ""),
                Draft::Blame::parts);
   }
-  if (!joint.stop) return;
-  const auto& [low, high, restitution] = *joint.stop;
-  const std::string path = path_of("joints", number, "stops");
-  if (!table.contains("stops")) draft.fail(path, "", "is missing, or stop_restitution is to be removed");
+  if (!joint.stops[k]) return;
+  const auto& [low, high, restitution] = *joint.stops[k];
+  const std::string path = path_of("joints", number, stop_keys[k]);
+  if (!table.contains(stop_keys[k])) {
+    draft.fail(path, "", fmt::format("is missing, or {} is to be removed", restitution_keys[k]));
+  }
   const std::string said = fmt::format("[{}, {}]", low, high);
   if (!(low <= 0 && high >= 0 && low < high)) {
     draft.fail(path, said, "must be a low and a high end with 0, where the joint starts, between them");
   }
   const double half_turn = std::numbers::pi;  // beyond, ODE counts an angle from the other side
-  if (joint.kind->word == "hinge" && !(low > -half_turn && high < half_turn)) {
-    draft.fail(path, said, "must lie within half a turn of a hinge, between -3.14159 and 3.14159 rad");
+  if (turns(joint, k) && !(low > -half_turn && high < half_turn)) {
+    draft.fail(path, said,
+               fmt::format("must lie within half a turn of a {}, between -3.14159 and 3.14159 rad", joint.kind->word));
   }
+}
+
+void check_drive(const Draft& draft, std::size_t number) {
+  check_motors(draft, number);
+  for (std::size_t k = 0; k < stop_keys.size(); ++k) check_stop(draft, number, k);
 }
 
 void check_signal(const Draft& draft, const std::string& path, const Signal& signal) {
@@ -230,7 +244,25 @@ void check_load(const Draft& draft, const std::string& path, const Controller& c
   draft.fail(path, "", "does nothing: kp and kd are 0; give one of them, or remove it", Draft::Blame::parts);
 }
 
-/// Each acts on a joint that is there, and has one way to go.
+/// A load's motion is one of its joint's.
+void check_motion(const Draft& draft, const std::string& path, const JointTable& joint, std::size_t motion) {
+  const std::size_t several = joint.kind->motions;
+  if (several == 0) {
+    draft.fail(path + ".joint", joint.name,
+               fmt::format("is of kind {}, on which no load acts; it must be of another kind than ball and fixed",
+                           joint.kind->word));
+  }
+  if (several == 1 && motion != 0) {
+    draft.fail(path + ".motion", std::to_string(motion),
+               fmt::format("has no meaning for kind {}, which has one motion; remove it", joint.kind->word));
+  }
+  if (several == 1 || (motion >= 1 && motion <= several)) return;
+  draft.fail(path + ".motion", motion == 0 ? "" : std::to_string(motion),
+             fmt::format("{} from 1 to {}, the number of a motion of joint '{}' of kind {}",
+                         motion == 0 ? "is missing; it must be" : "must be", several, joint.name, joint.kind->word));
+}
+
+/// Each acts on a joint that is there, on one of its motions.
 template <class Load>
 void check_loads(const Draft& draft, const char* list, const std::vector<LoadTable<Load>>& tables) {
   const std::vector<JointTable>& joints = draft.said.joints;
@@ -242,10 +274,7 @@ void check_loads(const Draft& draft, const char* list, const std::vector<LoadTab
     if (found == joints.end()) {
       draft.fail(path + ".joint", tables[i].joint, "is the name of no joint" + nearest_hint(tables[i].joint, names));
     }
-    if (!found->kind->driven) {
-      draft.fail(path + ".joint", tables[i].joint,
-                 fmt::format("is of kind {}; it must be a hinge or a slider", found->kind->word));
-    }
+    check_motion(draft, path, *found, tables[i].motion);
     check_load(draft, path, tables[i].load);
   }
 }

@@ -73,7 +73,9 @@ std::vector<Driveable> driveable_of(const JointKind& kind) {
   const auto way = [](const Vec3& axis) { return Driveable{true, axis}; };
   return std::visit(Overloaded{[](const BallJoint&) { return List{}; }, [](const HingeJoint&) { return List{}; },
                                [](const SliderJoint&) { return List{}; }, [](const FixedJoint&) { return List{}; },
-                               [](const PlaneJoint&) { return List{}; },
+                               [&](const PlaneJoint&) {
+                                 return List{way({1, 0, 0}), way({0, 1, 0}), turn({0, 0, 1})};
+                               },
                                [&](const UniversalJoint& joint) {
                                  return List{turn(joint.axis1), turn(joint.axis2)};
                                },
@@ -120,6 +122,17 @@ double load_of(const Controller& controller, double t, double q, double rate) {
 }
 
 }  // namespace
+
+Joint alone(const Joint& joint, const AxisDrive& drive) {
+  Joint one = joint;
+  one.motor = drive.motor;
+  one.stop = drive.stop;
+  one.springs = drive.springs;
+  one.torques = drive.torques;
+  one.controllers = drive.controllers;
+  one.drives.clear();
+  return one;
+}
 
 bool Joint::sampled() const { return std::ranges::any_of(controllers, &Controller::sampled); }
 

@@ -134,7 +134,6 @@ Signal turned_round(Signal signal) {
 /// The same motor, stop and loads told of the second body against the first.
 Joint turned_round(Joint joint) {
   if (joint.motor) joint.motor->speed = -joint.motor->speed;
-  for (AxisMotor& each : joint.motors) each.motor.speed = -each.motor.speed;
   if (joint.stop) *joint.stop = {-joint.stop->high, -joint.stop->low, joint.stop->restitution};
   for (JointSpring& spring : joint.springs) spring.rest = -spring.rest;
   for (Signal& torque : joint.torques) torque = turned_round(torque);
@@ -142,47 +141,58 @@ Joint turned_round(Joint joint) {
   return joint;
 }
 
+/// Of the motion with that number in files; of a joint with one, 0.
 template <class Load>
-std::vector<Load> loads_of(const std::string& joint, const std::vector<LoadTable<Load>>& tables) {
+std::vector<Load> loads_of(const std::string& joint, std::size_t motion, const std::vector<LoadTable<Load>>& tables) {
   std::vector<Load> loads;
   for (const LoadTable<Load>& table : tables) {
-    if (table.joint == joint) loads.push_back(table.load);
+    if (table.joint == joint && table.motion == motion) loads.push_back(table.load);
   }
   return loads;
 }
 
-/// Of a kind with several motions. The axes of a universal joint on the world change places: joint_kinds.hpp.
-std::vector<AxisMotor> axis_motors(const JointTable& table) {
-  std::vector<AxisMotor> motors;
-  if (table.kind->driven) return motors;
-  const auto last = static_cast<std::size_t>(table.kind->motors);
+/// A joint that only this motion is told of.
+Joint told_of(const Description& said, const JointTable& table, std::size_t motion) {
+  const std::size_t k = motion == 0 ? 0 : motion - 1;
+  return {.kind = table.kind->make(table),
+          .first = 0,
+          .second = {},
+          .motor = table.motors[k],
+          .stop = table.stops[k],
+          .springs = loads_of(table.name, motion, said.springs),
+          .torques = loads_of(table.name, motion, said.torques),
+          .controllers = loads_of(table.name, motion, said.controllers),
+          .name = table.name};
+}
+
+/// Of a kind with several motions, told the other way round where the parent is a body. The axes of a universal joint
+/// on the world change places: joint_kinds.hpp.
+std::vector<AxisDrive> axis_drives(const Description& said, const JointTable& table, bool round) {
+  std::vector<AxisDrive> drives;
+  const std::size_t last = table.kind->motions;
   const std::vector<Driveable> motions = driveable_of(table.kind->make(table));
   for (std::size_t k = 0; k < last; ++k) {
-    if (!table.motors[k]) continue;
-    const bool turns_of_two = !motions[k].slides && last > 1 && !motions[last - 1].slides && !motions[last - 2].slides;
+    Joint one = told_of(said, table, k + 1);
+    if (!one.driven()) continue;
+    if (round) one = turned_round(std::move(one));
+    const bool turns_of_two = !motions[k].slides && !motions[last - 1].slides && !motions[last - 2].slides;
     const bool other = turns_of_two && table.kind->parent == Carries::anything && table.parent == world_name;
     const std::size_t motion = other ? (last - 1) + (last - 2) - k : k;
-    motors.push_back({motion, *table.motors[k], motor_keys[k]});
+    drives.push_back({motion, k + 1, one.motor, one.stop, one.springs, one.torques, one.controllers});
   }
-  return motors;
+  return drives;
 }
 
 /// The parent is the joint's first body, or its second where it is the world, which is never the first.
 Joint joint_of_tree(const Description& said, const JointTable& table) {
   const std::size_t child = said.body_named(table.child).value();
   const std::optional<std::size_t> parent = said.body_named(table.parent);
-  Joint joint{.kind = table.kind->make(table),
-              .first = child,
-              .second = {},
-              .motor = table.kind->driven ? table.motors[0] : std::nullopt,
-              .stop = table.stop,
-              .springs = loads_of(table.name, said.springs),
-              .torques = loads_of(table.name, said.torques),
-              .controllers = loads_of(table.name, said.controllers),
-              .name = table.name,
-              .motors = axis_motors(table)};
+  const bool several = table.kind->motions > 1;
+  Joint joint{.kind = table.kind->make(table), .first = child, .second = {}, .name = table.name};
+  if (!several) joint = told_of(said, table, 0);
+  if (several) joint.drives = axis_drives(said, table, parent.has_value());
+  joint.first = parent.value_or(child);
   if (!parent) return joint;
-  joint.first = *parent;
   joint.second = child;
   return turned_round(std::move(joint));
 }

@@ -52,9 +52,14 @@ std::vector<std::string> metric_names(const Names& names) { return names.metrics
 
 Spring& spring_of(Scenario& s) { return s.ode.spring ? *s.ode.spring : s.ode.spring.emplace(); }
 
-Stop& stop_of(Description& said) {
-  std::optional<Stop>& stop = said.joints.back().stop;
+Stop& stop_of(Description& said, std::size_t k) {
+  std::optional<Stop>& stop = said.joints.back().stops[k];
   return stop ? *stop : stop.emplace();
+}
+void put_stops(Description& said, std::size_t k, const KeyValue& value) {
+  Stop& stop = stop_of(said, k);
+  stop.low = value.numbers[0];
+  stop.high = value.numbers[1];
 }
 
 Vec3 vector(const KeyValue& value) { return {value.numbers[0], value.numbers[1], value.numbers[2]}; }
@@ -178,25 +183,35 @@ constexpr KeyRow rows[] = {
 
   {"joints", "name",     label,   "",      0, 0,       false, nullptr, "joint and its number", "by which [[springs]], [[torques]] and [[controllers]] know it",
       [](D& d, S&, const V& v) { d.joints.back().name = v.word; }},
-  {"joints", "stops",    numbers, "rad or m", -1e4, 1e4, false, nullptr, "none", "ends of the way of a hinge or a slider, the child against the parent, from where it stands at t = 0; those of a hinge within half a turn",
-      [](D& d, S&, const V& v) { stop_of(d).low = v.numbers[0]; stop_of(d).high = v.numbers[1]; }, 2},
+  {"joints", "stops",    numbers, "rad or m", -1e4, 1e4, false, nullptr, "none", "ends of the way of a hinge or a slider, the child against the parent, from where it stands at t = 0, or of the motion of a joint with several that `motor` drives; those of a turn within half a turn",
+      [](D& d, S&, const V& v) { put_stops(d, 0, v); }, 2},
   {"joints", "stop_restitution", number, "", 0, 1,     false, nullptr, "0", "speed after striking a stop over speed before",
-      [](D& d, S&, const V& v) { stop_of(d).restitution = v.number; }},
-  {"joints.motor", "velocity", number, "rad/s or m/s", -1e3, 1e3, false, nullptr, "", "that it keeps, the child against the parent; of a joint with several axes about or along `axis`, of a piston along it",
+      [](D& d, S&, const V& v) { stop_of(d, 0).restitution = v.number; }},
+  {"joints", "stops2",   numbers, "rad", -1e4, 1e4, false, nullptr, "none", "likewise of the motion that `motor2` drives; hinge2 has none there",
+      [](D& d, S&, const V& v) { put_stops(d, 1, v); }, 2},
+  {"joints", "stop_restitution2", number, "", 0, 1,    false, nullptr, "0", "likewise, of stops2",
+      [](D& d, S&, const V& v) { stop_of(d, 1).restitution = v.number; }},
+  {"joints", "stops3",   numbers, "rad", -1e4, 1e4, false, nullptr, "none", "likewise of the motion that `motor3` drives",
+      [](D& d, S&, const V& v) { put_stops(d, 2, v); }, 2},
+  {"joints", "stop_restitution3", number, "", 0, 1,    false, nullptr, "0", "likewise, of stops3",
+      [](D& d, S&, const V& v) { stop_of(d, 2).restitution = v.number; }},
+  {"joints.motor", "velocity", number, "rad/s or m/s", -1e3, 1e3, false, nullptr, "", "that it keeps, the child against the parent; of a joint with several axes about or along `axis`, of a piston along it, of plane2d along the world's x",
       [](D& d, S&, const V& v) { d.joints.back().motors[0]->speed = v.number; }},
   {"joints.motor", "force", number, "N m or N", 0, 1e9, false, nullptr, "", "that it has at most",
       [](D& d, S&, const V& v) { d.joints.back().motors[0]->most = v.number; }},
-  {"joints.motor2", "velocity", number, "rad/s", -1e3, 1e3, false, nullptr, "", "likewise, about `axis2`, of a piston about `axis`",
+  {"joints.motor2", "velocity", number, "rad/s or m/s", -1e3, 1e3, false, nullptr, "", "likewise, about `axis2`, of a piston about `axis`, of plane2d along y",
       [](D& d, S&, const V& v) { d.joints.back().motors[1]->speed = v.number; }},
-  {"joints.motor2", "force", number, "N m", 0, 1e9, false, nullptr, "", "that it has at most",
+  {"joints.motor2", "force", number, "N m or N", 0, 1e9, false, nullptr, "", "that it has at most",
       [](D& d, S&, const V& v) { d.joints.back().motors[1]->most = v.number; }},
-  {"joints.motor3", "velocity", number, "rad/s", -1e3, 1e3, false, nullptr, "", "likewise, about `axis3`",
+  {"joints.motor3", "velocity", number, "rad/s", -1e3, 1e3, false, nullptr, "", "likewise, about `axis3`, of plane2d about z",
       [](D& d, S&, const V& v) { d.joints.back().motors[2]->speed = v.number; }},
   {"joints.motor3", "force", number, "N m", 0, 1e9, false, nullptr, "", "that it has at most",
       [](D& d, S&, const V& v) { d.joints.back().motors[2]->most = v.number; }},
 
-  {"springs", "joint",     label,  "",                 0, 0,      false, nullptr, "", "name of a hinge or a slider",
+  {"springs", "joint",     label,  "",                 0, 0,      false, nullptr, "", "name of a joint",
       [](D& d, S&, const V& v) { d.springs.back().joint = v.word; }},
+  {"springs", "motion", whole, "", 1, 3, false, nullptr, "of a joint with several to be said", "of a joint with several motions the one that it acts on, by the number of its motor",
+      [](D& d, S&, const V& v) { d.springs.back().motion = static_cast<std::size_t>(v.number); }},
   {"springs", "stiffness", number, "N m/rad or N/m",     0, 1e12,   false, nullptr, "0", "of the spring",
       [](D& d, S&, const V& v) { d.springs.back().load.stiffness = v.number; }},
   {"springs", "damping",   number, "N m s/rad or N s/m", 0, 1e12,   false, nullptr, "0", "of the damper beside it",
@@ -204,8 +219,10 @@ constexpr KeyRow rows[] = {
   {"springs", "rest",      number, "rad or m",           -1e4, 1e4, false, nullptr, "0", "way at which it is relaxed, counted as stops are",
       [](D& d, S&, const V& v) { d.springs.back().load.rest = v.number; }},
 
-  {"torques", "joint",     label,   "",         0, 0,      false, nullptr, "", "name of a hinge or a slider, of which it is a force",
+  {"torques", "joint",     label,   "",         0, 0,      false, nullptr, "", "name of a joint; along a way it is a force",
       [](D& d, S&, const V& v) { d.torques.back().joint = v.word; }},
+  {"torques", "motion", whole, "", 1, 3, false, nullptr, "of a joint with several to be said", "of a joint with several motions the one that it acts on, by the number of its motor",
+      [](D& d, S&, const V& v) { d.torques.back().motion = static_cast<std::size_t>(v.number); }},
   {"torques", "constant",  number,  "N m or N", -1e9, 1e9, false, nullptr, "0", "on the child, against the parent",
       [](D& d, S&, const V& v) { d.torques.back().load.constant = v.number; }},
   {"torques", "amplitude", number,  "N m or N", -1e9, 1e9, false, nullptr, "0", "of a sine on top of it",
@@ -219,8 +236,10 @@ constexpr KeyRow rows[] = {
   {"torques", "values",    numbers, "N m or N", -1e9, 1e9, false, nullptr, "none", "at these times; straight lines between them, the first and the last beyond",
       [](D& d, S&, const V& v) { d.torques.back().load.values = v.numbers; }},
 
-  {"controllers", "joint",    label,   "",                 0, 0,      false, nullptr, "", "name of a hinge or a slider",
+  {"controllers", "joint",    label,   "",                 0, 0,      false, nullptr, "", "name of a joint",
       [](D& d, S&, const V& v) { d.controllers.back().joint = v.word; }},
+  {"controllers", "motion", whole, "", 1, 3, false, nullptr, "of a joint with several to be said", "of a joint with several motions the one that it acts on, by the number of its motor",
+      [](D& d, S&, const V& v) { d.controllers.back().motion = static_cast<std::size_t>(v.number); }},
   {"controllers", "kp",       number,  "N m/rad or N/m",     0, 1e12,   false, nullptr, "", "load over distance from the target",
       [](D& d, S&, const V& v) { d.controllers.back().load.kp = v.number; }},
   {"controllers", "kd",       number,  "N m s/rad or N s/m", 0, 1e12,   false, nullptr, "0", "load against the rate, over it",

@@ -49,25 +49,28 @@ std::string works_table(const std::vector<RunSummary>& runs) {
   return "\n" + table.text() + "unaccounted is, of ODE, what its steps lose or gain; of the reference, its own error\n";
 }
 
+/// "motor2": what files call what drives or stops a motion.
+std::string numbered(const char* key, std::size_t motion) { return motion == 1 ? key : key + std::to_string(motion); }
+
 std::string motors_table(const std::vector<RunSummary>& runs) {
   TextTable table("llrr", {"motor", "method", "at its limit, % of the time", "from, s"});
   bool any = false;
   for (const RunSummary& run : runs) {
     for (const MotorUse& motor : run.outcome.motors) {
       any = true;
-      table.add({name_of(run, motor.joint) + (motor.key.empty() ? "" : " " + motor.key), run.method,
-                 fmt::format("{:.3g}", 100 * motor.share),
+      const std::string key = motor.motion == 0 ? "" : " " + numbered("motor", motor.motion);
+      table.add({name_of(run, motor.joint) + key, run.method, fmt::format("{:.3g}", 100 * motor.share),
                  motor.first_s ? fmt::format("{:.6g}", *motor.first_s) : "-"});
     }
   }
   return any ? "\n" + table.text() : "";
 }
 
-/// The strikes of a joint, in the order of time.
-std::vector<StopStrike> strikes_of(const std::vector<StopStrike>& all, std::size_t joint) {
+/// The strikes of a joint, or of one of its motions, in the order of time.
+std::vector<StopStrike> strikes_of(const std::vector<StopStrike>& all, std::size_t joint, std::size_t motion) {
   std::vector<StopStrike> of_joint;
   std::ranges::copy_if(all, std::back_inserter(of_joint),
-                       [joint](const StopStrike& strike) { return strike.joint == joint; });
+                       [&](const StopStrike& strike) { return strike.joint == joint && strike.motion == motion; });
   return of_joint;
 }
 
@@ -76,22 +79,26 @@ std::string strikes_table(const std::vector<RunSummary>& runs, const std::vector
   TextTable table("llrlrrrr",
                   {"stop", "method", "strike", "end", "t, s", "rate before", "after", "later than the reference, s"});
   bool any = false;
+  const auto add = [&](const RunSummary& run, std::size_t joint, std::size_t motion) {
+    const std::vector<StopStrike> strikes = strikes_of(run.outcome.strikes, joint, motion);
+    const std::vector<StopStrike> wanted = strikes_of(reference, joint, motion);
+    const double sign = sign_in_files(run.scenario.mechanism.joints[joint]);
+    const std::string name = name_of(run, joint) + (motion == 0 ? "" : " " + numbered("stops", motion));
+    for (std::size_t i = 0; i < std::min(strikes.size(), most); ++i) {
+      const StopStrike& strike = strikes[i];
+      any = true;
+      table.add({name, run.method, std::to_string(i + 1), strike.low == (sign > 0) ? "low" : "high",
+                 fmt::format("{:.6g}", strike.t), three_digits(sign * strike.rate_before),
+                 three_digits(sign * strike.rate_after),
+                 i < wanted.size() ? fmt::format("{:+.3g}", strike.t - wanted[i].t) : "-"});
+    }
+    if (strikes.size() > most) table.add({name, run.method, fmt::format("... {} in all", strikes.size())});
+  };
   for (const RunSummary& run : runs) {
-    for (std::size_t joint = 0; joint < run.scenario.mechanism.joints.size(); ++joint) {
-      const std::vector<StopStrike> strikes = strikes_of(run.outcome.strikes, joint);
-      const std::vector<StopStrike> wanted = strikes_of(reference, joint);
-      const double sign = sign_in_files(run.scenario.mechanism.joints[joint]);
-      for (std::size_t i = 0; i < std::min(strikes.size(), most); ++i) {
-        const StopStrike& strike = strikes[i];
-        any = true;
-        table.add({name_of(run, joint), run.method, std::to_string(i + 1), strike.low == (sign > 0) ? "low" : "high",
-                   fmt::format("{:.6g}", strike.t), three_digits(sign * strike.rate_before),
-                   three_digits(sign * strike.rate_after),
-                   i < wanted.size() ? fmt::format("{:+.3g}", strike.t - wanted[i].t) : "-"});
-      }
-      if (strikes.size() > most) {
-        table.add({name_of(run, joint), run.method, fmt::format("... {} in all", strikes.size())});
-      }
+    const std::vector<Joint>& joints = run.scenario.mechanism.joints;
+    for (std::size_t joint = 0; joint < joints.size(); ++joint) {
+      add(run, joint, 0);
+      for (const AxisDrive& drive : joints[joint].drives) add(run, joint, drive.number);
     }
   }
   return any ? "\n" + table.text() : "";
@@ -158,7 +165,7 @@ void put_parts(nlohmann::ordered_json& json, const RunSummary& run) {
       json["motors"].push_back({{"joint", joints[motor.joint].name},
                                 {"share_at_limit", json_number(motor.share)},
                                 {"at_limit_from", number(motor.first_s)}});
-      if (!motor.key.empty()) json["motors"].back()["motor"] = motor.key;
+      if (motor.motion != 0) json["motors"].back()["motor"] = numbered("motor", motor.motion);
     }
     json["strikes"] = Json::array();
     for (const StopStrike& strike : run.outcome.strikes) {
@@ -168,6 +175,7 @@ void put_parts(nlohmann::ordered_json& json, const RunSummary& run) {
                                  {"end", strike.low == (sign > 0) ? "low" : "high"},
                                  {"rate_before", json_number(sign * strike.rate_before)},
                                  {"rate_after", json_number(sign * strike.rate_after)}});
+      if (strike.motion != 0) json["strikes"].back()["stop"] = numbered("stops", strike.motion);
     }
   }
   json["joints"] = Json::array();

@@ -253,6 +253,11 @@ void refusals() {
     Scenario rare = test::random_tree(1, false);
     rare.mechanism.joints[0].kind = PistonJoint{};
     CHECK_THROWS(catalogue::require_does(*method, rare, "--method"), UserError, "joints piston, pr, pu");
+    Scenario several = test::random_tree(1, false);
+    several.mechanism.joints[0].kind = UniversalJoint{};
+    several.mechanism.joints[0].drives = {{.motion = 1, .springs = {{.stiffness = 1}}}};
+    CHECK_THROWS(catalogue::require_does(*method, several, "--method"), UserError,
+                 "springs, torques and controllers of joints with several motions");
     Scenario strut = test::random_tree(1, false);
     strut.mechanism.struts = {{.second = {}, .stiffness_N_m = 1}};
     CHECK_THROWS(catalogue::require_does(*method, strut, "--method"), UserError, "struts");

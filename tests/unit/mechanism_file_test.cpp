@@ -313,6 +313,66 @@ void what_acts_on_joints() {
   }
 }
 
+// Something of its own on each motion of the universal joint.
+const std::string driven_twice = replaced(arm, "axis2 = [0, 1e-7, 3]", R"(axis2 = [0, 1e-7, 3]
+stops2 = [-0.5, 1.5]
+stop_restitution2 = 0.4
+motor = {velocity = 3, force = 5})") +
+                                 R"([[springs]]
+joint = "joint3"
+motion = 2
+stiffness = 10
+rest = 0.2
+[[springs]]
+joint = "joint3"
+motion = 2
+damping = 0.5
+[[torques]]
+joint = "joint3"
+motion = 1
+constant = 1
+[[controllers]]
+joint = "joint3"
+motion = 2
+kp = 6
+target = 0.7
+)";
+
+void what_acts_on_motions() {
+  const Joint joint = read(driven_twice).mechanism.joints[2];
+  CHECK(!joint.motor && !joint.stop && !joint.loaded() && joint.driven());
+  CHECK_EQUAL(joint.drives.size(), 2u);
+  const AxisDrive& first = joint.drives[0];
+  CHECK(first.motion == 0 && first.number == 1 && !first.stop && first.springs.empty() && first.controllers.empty());
+  CHECK_EQUAL(first.motor->speed, -3.0);  // of the forearm against what it carries
+  CHECK_EQUAL(first.motor->most, 5.0);
+  CHECK_EQUAL(first.torques.at(0).constant, -1.0);
+  const AxisDrive& second = joint.drives[1];
+  CHECK(second.motion == 1 && second.number == 2 && !second.motor && second.torques.empty());
+  CHECK_EQUAL(second.stop->low, -1.5);
+  CHECK_EQUAL(second.stop->high, 0.5);
+  CHECK_EQUAL(second.stop->restitution, 0.4);
+  CHECK_EQUAL(second.springs.size(), 2u);
+  CHECK_EQUAL(second.springs[0].rest, -0.2);
+  CHECK_EQUAL(second.springs[1].damping, 0.5);
+  CHECK_EQUAL(second.controllers.at(0).target.constant, -0.7);
+
+  const Definition all = read(driven_twice).definition;
+  for (const char* key : {"joints.2.stops2", "joints.2.stop_restitution2", "springs.0.motion", "torques.0.motion",
+                          "controllers.0.motion"}) {
+    CHECK(std::ranges::any_of(all, [&](const auto& setting) { return setting.first == key; }));
+  }
+  // On the world the joint's first axis is the one that the child carries.
+  const std::vector<AxisDrive> on_world =
+      read(replaced(driven_twice, "kind = \"hinge\"\nparent = \"world\"",
+                    "kind = \"universal\"\naxis2 = [1, 0, 0]\nstops2 = [-0.1, 0.3]\nparent = \"world\""))
+          .mechanism.joints[0]
+          .drives;
+  CHECK_EQUAL(on_world.size(), 1u);
+  CHECK(on_world[0].motion == 0 && on_world[0].number == 2);
+  CHECK_EQUAL(on_world[0].stop->high, 0.3);
+}
+
 void a_signal_over_time() {
   const Signal table{.constant = 1, .times_s = {1, 2, 4}, .values = {0, 10, -10}};
   for (const auto& [t, value] : {std::pair{0.0, 1.0}, {1.0, 1.0}, {1.5, 6.0}, {2.0, 11.0}, {3.0, 1.0}, {9.0, -9.0}}) {
@@ -343,7 +403,7 @@ void bad_drives() {
   wrong("joint = \"base\"", "joint = \"bass\"",
         "controllers.1.joint = bass: is the name of no joint (nearest: 'base')");
   wrong("joint = \"base\"", "joint = \"joint3\"",
-        "controllers.1.joint = joint3: is of kind universal; it must be a hinge");
+        "controllers.1.motion is missing; it must be from 1 to 2, the number of a motion of joint 'joint3'");
   wrong("stiffness = 10", "stiffness = -10", "springs.0.stiffness = -10: must be a number from 0");
   wrong("stiffness = 10", "stifness = 10", "springs.0.stifness = 10: is no known key (nearest: 'springs.0.stiffness')");
   wrong("stiffness = 10\ndamping = 0.5", "damping = 0", "springs.0 does nothing: stiffness and damping are 0");
@@ -442,6 +502,7 @@ int main() {
   bad_joints();
   bad_starts();
   what_acts_on_joints();
+  what_acts_on_motions();
   a_signal_over_time();
   bad_drives();
   what_touches();

@@ -246,8 +246,12 @@ std::string_view words_of(Feature feature) {
       return "struts";
     case Feature::rare_shapes:
       return "contacts of cylinders, capsules or several shapes of a body";
-    case Feature::axis_motors:
-      return "motors of joints with several motions";
+    case Feature::axis_drives:
+      return "motors, stops, springs, torques and controllers of joints with several motions";
+    case Feature::cross_stops:
+      return "stops of turns of joints universal and pu";
+    case Feature::plane_motors:
+      return "motors of joints plane2d";
   }
   return "";
 }
@@ -324,6 +328,20 @@ void mechanisms_ask_for_what_they_hold() {
   Scenario stopped = plain;
   stopped.mechanism.joints[0].stop = Stop{};
   CHECK_EQUAL(listed(features_of(stopped)), "stops");
+  // On one of several motions these are asked for, and that as well; turns that cross have stops of their own.
+  Scenario several = plain;
+  Joint& joint = several.mechanism.joints[0];
+  joint = {.kind = SlidingUniversalJoint{}, .first = joint.first, .second = joint.second};
+  joint.drives = {{.motion = 0, .stop = Stop{}}};
+  const std::string axis_drives = "motors, stops, springs, torques and controllers of joints with several motions";
+  const std::string rare = "joints piston, pr, pu, hinge2 or plane2d, ";
+  CHECK_EQUAL(listed(features_of(several)), "stops, " + rare + axis_drives);
+  joint.drives[0].motion = 2;
+  CHECK_EQUAL(listed(features_of(several)),
+              "stops, " + rare + axis_drives + ", stops of turns of joints universal and pu");
+  joint.kind = PlaneJoint{};
+  joint.drives = {{.motion = 2, .motor = Motor{}}};
+  CHECK_EQUAL(listed(features_of(several)), "motors, " + rare + axis_drives + ", motors of joints plane2d");
   Scenario heavy = plain;
   heavy.mechanism.bodies[0].inertia_kgm2 = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   CHECK_EQUAL(listed(features_of(heavy)), "inertia tensors of their own");

@@ -75,7 +75,9 @@ const std::string world = R"(<sdf version="1.7"><world name="yard">
         <spring_reference>0.2</spring_reference><spring_stiffness>3</spring_stiffness></dynamics></axis></joint>
     <joint name="neck" type="ball"><parent>arm</parent><child>head</child></joint>
     <joint name="gimbal" type="universal"><parent>hull</parent><child>cross</child>
-      <axis><xyz>1 0 0</xyz></axis><axis2><xyz>0 1 0</xyz></axis2></joint>
+      <axis><xyz>1 0 0</xyz><limit><lower>1</lower><upper>2</upper></limit><dynamics><damping>0.3</damping></dynamics></axis>
+      <axis2><xyz>0 1 0</xyz><limit><lower>-0.5</lower><upper>1.5</upper></limit><dynamics><friction>0.2</friction>
+        <spring_reference>0.1</spring_reference><spring_stiffness>4</spring_stiffness></dynamics></axis2></joint>
   </model></world></sdf>)";
 
 const Names names{{"ode-step-double", "ode-quickstep-double"}, {}};
@@ -180,6 +182,26 @@ void an_arm_is_what_its_file_says() {
   CHECK(told.contains("<link/visual>"));
 }
 
+/// Told of the hull against the cross; limits that 0 is outside of are left out.
+void check_gimbal(const Imported& imported, const Joint& gimbal) {
+  CHECK(std::holds_alternative<UniversalJoint>(gimbal.kind));
+  CHECK_EQUAL(gimbal.drives.size(), 2u);
+  const AxisDrive& first = gimbal.drives.front();
+  CHECK_EQUAL(first.motion, 0u);
+  CHECK(!first.stop && !first.motor && first.springs.size() == 1);
+  CHECK_EQUAL(first.springs.front().damping, 0.3);
+  const AxisDrive& second = gimbal.drives.back();
+  CHECK_EQUAL(second.motion, 1u);
+  CHECK_EQUAL(second.stop->low, -1.5);
+  CHECK_EQUAL(second.stop->high, 0.5);
+  CHECK_EQUAL(second.motor->most, 0.2);
+  CHECK_EQUAL(second.springs.front().stiffness, 4.0);
+  CHECK_EQUAL(second.springs.front().rest, -0.1);
+  const auto left_out =
+      std::ranges::find_if(imported.robot.remarks, [](const Robot::Remark& remark) { return remark.what == "limits"; });
+  CHECK(left_out != imported.robot.remarks.end() && left_out->of == std::vector<std::string>{"thing::gimbal"});
+}
+
 void a_world_is_what_its_file_says() {
   const Imported imported = import_robot("world.sdf", read_robot("world.sdf", world), {});
   const Scenario scenario = scenario_of(imported, "world.sdf");
@@ -199,7 +221,7 @@ void a_world_is_what_its_file_says() {
   CHECK_EQUAL(elbow.springs.front().stiffness, 3.0);
   CHECK_EQUAL(elbow.springs.front().rest, -0.2);
   CHECK(std::holds_alternative<BallJoint>(joint(scenario, "thing__neck").kind));
-  CHECK(std::holds_alternative<UniversalJoint>(joint(scenario, "thing__gimbal").kind));
+  check_gimbal(imported, joint(scenario, "thing__gimbal"));
   const Body& hull = body(scenario, "thing__hull");
   CHECK_EQUAL(hull.mass_kg, 2.0);
   // An SDFormat capsule's length is without its ends; both shapes stand against the centre of mass at x = 0.1.

@@ -359,6 +359,54 @@ const std::vector<Case> cases_of_contacts{
     {"", "contacts.0.friction=0.1", {"limit=\"springs\",\"numbers\"", "ode.erp=0.2,0.5"}, {}},
 };
 
+/// Nor does one load the motions of a joint with several.
+constexpr const char* loaded_file = R"(
+problem = "mechanism"
+duration = 0.12
+step = 0.001
+[[bodies]]
+name = "bob"
+mass = 1.0
+size = [0.2, 0.2, 0.2]
+position = [0.1, 0.0, 1.0]
+[[joints]]
+name = "it"
+kind = "pu"
+parent = "world"
+child = "bob"
+anchor = [0.0, 0.0, 1.0]
+axis = [0.0, 0.0, 1.0]
+axis2 = [0.0, 1.0, 0.0]
+axis3 = [1.0, 0.0, 0.0]
+stops2 = [-0.001, 0.001]
+stop_restitution2 = 0.5
+stops3 = [-0.001, 0.001]
+stop_restitution3 = 0.5
+[[springs]]
+joint = "it"
+motion = 2
+stiffness = 10.0
+rest = 0.1
+[[torques]]
+joint = "it"
+motion = 3
+constant = 1.0
+[[controllers]]
+joint = "it"
+motion = 2
+kp = 5.0
+target = 0.5
+)";
+
+const std::vector<Case> cases_of_motions{
+    {"",
+     "",
+     {"joints.0.stops2=[-0.001,0.001],[-0.002,0.002]", "joints.0.stop_restitution2=0.5,0.8",
+      "joints.0.stops3=[-0.001,0.001],[-0.002,0.002]", "joints.0.stop_restitution3=0.5,0.8", "springs.0.motion=1,2",
+      "torques.0.motion=1,3", "controllers.0.motion=1,2"},
+     {"ode.erp=0.2,0.5"}},
+};
+
 struct Pair {
   bool shared;  // one reference for both
   bool same;    // their references, each solved for its own run, are equal to the last bit
@@ -419,6 +467,9 @@ void runs_share_the_reference_of_their_motion(const fs::path& dropped) {
   std::ofstream(dropped) << dropped_file;
   for (const Case& one : cases_of_contacts) {
     if (with_trees) check_all(ScenarioFile(dropped), one);
+  }
+  for (const Case& one : cases_of_motions) {
+    if (with_trees) check_all(ScenarioFile("loaded.toml", loaded_file), one);
   }
   for (const KeyRow& row : key_table()) {
     const std::string key = (row.section.empty() ? "" : std::string(row.section) + ".") + std::string(row.name);

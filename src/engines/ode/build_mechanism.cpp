@@ -205,67 +205,86 @@ struct MakeJoint {
   }
 };
 
-/// Motor and stops, where the kind has an axis for them.
+using SetParameter = void (*)(dJointID, int, dReal);
+
+/// ODE's words for one motion of a joint.
+struct Limot {
+  SetParameter set_parameter;
+  int group;  // ODE's number of the motion
+};
+
+void set_drive(dJointID joint, const Limot& limot, const Joint& what) {
+  const auto set = [&](int parameter, double value) {
+    limot.set_parameter(joint, dParamGroup * limot.group + parameter, real(value));
+  };
+  if (what.motor) {
+    set(dParamVel, what.motor->speed);
+    set(dParamFMax, what.motor->most);
+  }
+  if (what.stop) {
+    if (!(what.stop->low <= 0 && what.stop->high >= 0)) throw Fault("a stop must have its ends on either side of 0");
+    set(dParamLoStop, what.stop->low);
+    set(dParamHiStop, what.stop->high);
+    set(dParamBounce, what.stop->restitution);
+  }
+}
+
+/// ODE counts an angle within half a turn, and ignores ends that are not.
+void check_turn(const std::optional<Stop>& stop) {
+  const double half_turn = std::numbers::pi;
+  if (stop && !(stop->low > -half_turn && stop->high < half_turn)) {
+    throw Fault("a stop of a turn must have its ends within half a turn");
+  }
+}
+
+/// Motors and stops, where the kind has axes for them.
 struct Drive {
   dJointID joint;
   const Joint& what;
 
-  void operator()(const BallJoint&) const { refuse("a ball joint"); }
-  void operator()(const FixedJoint&) const { refuse("a fixed joint"); }
+  void operator()(const BallJoint&) const { refuse("a ball joint", true); }
+  void operator()(const FixedJoint&) const { refuse("a fixed joint", true); }
   void operator()(const UniversalJoint&) const {
-    refuse("a universal joint");
-    set_motors(dJointSetUniversalParam, {0, 1});
+    refuse("a universal joint", false);
+    set_several({{dJointSetUniversalParam, 0}, {dJointSetUniversalParam, 1}}, 2);
   }
   void operator()(const PistonJoint&) const {
-    refuse("a piston joint");
-    set_motors(dJointSetPistonParam, {0, 1});
+    refuse("a piston joint", false);
+    set_several({{dJointSetPistonParam, 0}, {dJointSetPistonParam, 1}}, 2);
   }
   void operator()(const SlidingHingeJoint&) const {
-    refuse("a PR joint");
-    set_motors(dJointSetPRParam, {0, 1});
+    refuse("a PR joint", false);
+    set_several({{dJointSetPRParam, 0}, {dJointSetPRParam, 1}}, 2);
   }
   void operator()(const SlidingUniversalJoint&) const {
-    refuse("a PU joint");
-    set_motors(dJointSetPUParam, {2, 0, 1});  // ODE's third is the way
+    refuse("a PU joint", false);
+    set_several({{dJointSetPUParam, 2}, {dJointSetPUParam, 0}, {dJointSetPUParam, 1}}, 3);  // ODE's third is the way
   }
   void operator()(const Hinge2Joint&) const {
-    refuse("a hinge2 joint");
-    set_motors(dJointSetHinge2Param, {0, 1});
+    refuse("a hinge2 joint", false);
+    set_several({{dJointSetHinge2Param, 0}, {dJointSetHinge2Param, 1}}, 1);
   }
-  void operator()(const PlaneJoint&) const { refuse("a plane2d joint"); }
-  void operator()(const SliderJoint&) const { set(dJointSetSliderParam); }
+  void operator()(const PlaneJoint&) const {
+    refuse("a plane2d joint", false);
+    set_several({{dJointSetPlane2DXParam, 0}, {dJointSetPlane2DYParam, 0}, {dJointSetPlane2DAngleParam, 0}}, 0);
+  }
+  void operator()(const SliderJoint&) const { set_drive(joint, {dJointSetSliderParam, 0}, what); }
   void operator()(const HingeJoint&) const {
-    // ODE counts a hinge's angle within half a turn, and ignores ends that are not.
-    const double half_turn = std::numbers::pi;
-    if (what.stop && !(what.stop->low > -half_turn && what.stop->high < half_turn)) {
-      throw Fault("a stop of a hinge must have its ends within half a turn");
-    }
-    set(dJointSetHingeParam);
+    check_turn(what.stop);
+    set_drive(joint, {dJointSetHingeParam, 0}, what);
   }
 
  private:
-  /// `groups` are ODE's numbers of the motions.
-  void set_motors(void (*set_parameter)(dJointID, int, dReal), std::initializer_list<int> groups) const {
-    for (const AxisMotor& each : what.motors) {
-      const int group = dParamGroup * groups.begin()[each.motion];
-      set_parameter(joint, group + dParamVel, real(each.motor.speed));
-      set_parameter(joint, group + dParamFMax, real(each.motor.most));
+  /// ODE has stops of the first so many of them.
+  void set_several(std::initializer_list<Limot> motions, std::size_t stopped) const {
+    for (const AxisDrive& each : what.drives) {
+      if (each.stop && each.motion >= stopped) throw Fault("ODE has no stops of this motion of the joint");
+      if (!driveable_of(what.kind)[each.motion].slides) check_turn(each.stop);
+      set_drive(joint, motions.begin()[each.motion], alone(what, each));
     }
   }
-  void set(void (*set_parameter)(dJointID, int, dReal)) const {
-    if (what.motor) {
-      set_parameter(joint, dParamVel, real(what.motor->speed));
-      set_parameter(joint, dParamFMax, real(what.motor->most));
-    }
-    if (what.stop) {
-      if (!(what.stop->low <= 0 && what.stop->high >= 0)) throw Fault("a stop must have its ends on either side of 0");
-      set_parameter(joint, dParamLoStop, real(what.stop->low));
-      set_parameter(joint, dParamHiStop, real(what.stop->high));
-      set_parameter(joint, dParamBounce, real(what.stop->restitution));
-    }
-  }
-  void refuse(const char* kind) const {
-    if (what.motor || what.stop || what.loaded()) {
+  void refuse(const char* kind, bool several) const {
+    if (what.motor || what.stop || what.loaded() || (several && !what.drives.empty())) {
       throw Fault(kind + std::string(" has no one axis for motors, stops and loads"));
     }
   }

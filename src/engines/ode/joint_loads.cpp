@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "engines/ode/build_mechanism.hpp"
+#include "engines/ode/joint_axis.hpp"
 
 namespace odeval::engine_ode {
 namespace {
@@ -65,6 +66,12 @@ void JointLoads::apply(const Ends& ends) {
 
 void JointLoads::add(dJointID made, const Joint& joint) {
   if (joint.loaded()) loads_.push_back({made, joint, dJointGetType(made) == dJointTypeHinge});
+  for (const AxisDrive& drive : joint.drives) {
+    const Joint one = alone(joint, drive);
+    if (!one.loaded()) continue;
+    const bool turns = !driveable_of(joint.kind)[drive.motion].slides;
+    loads_.push_back({made, one, turns, drive.motion, engine_ode::way_of(made, joint.kind, drive.motion)});
+  }
 }
 
 void JointLoads::sample(double t) {
@@ -76,14 +83,34 @@ void JointLoads::sample(double t) {
 
 void JointLoads::apply(double t) const {
   for (const Load& load : loads_) {
-    const dReal force = real(load.held + load.joint.steady_load(t, way(load), rate(load)));
-    if (load.turns) {
-      dJointAddHingeTorque(load.made, force);
-    } else {
-      dJointAddSliderForce(load.made, force);
-    }
+    apply(load, load.held + load.joint.steady_load(t, way(load), rate(load)));
   }
   for (const Ends& ends : struts_) apply(ends);
+}
+
+// Of joints with several motions ODE's own functions are not all there, and a force on a way acts half-way between the
+// bodies' centres, which turns what may turn there.
+void JointLoads::apply(const Load& load, double force) {
+  if (!load.motion) {
+    if (load.turns) {
+      dJointAddHingeTorque(load.made, real(force));
+    } else {
+      dJointAddSliderForce(load.made, real(force));
+    }
+    return;
+  }
+  const auto [axis, at] = axis_of(load.made, load.joint.kind, *load.motion);
+  for (const int k : {0, 1}) {
+    const dBodyID body = dJointGetBody(load.made, k);
+    if (body == nullptr) continue;
+    const Vec3 push = (k == 0 ? force : -force) * axis;
+    const auto& [x, y, z] = push;
+    if (load.turns) {
+      dBodyAddTorque(body, real(x), real(y), real(z));
+    } else {
+      dBodyAddForceAtPos(body, real(x), real(y), real(z), real(at[0]), real(at[1]), real(at[2]));
+    }
+  }
 }
 
 Works JointLoads::by_kind(std::size_t load, double t) const {
@@ -93,15 +120,17 @@ Works JointLoads::by_kind(std::size_t load, double t) const {
 
 // Less than half a turn a step, so the nearest branch is the right one.
 double JointLoads::way(const Load& load) {
-  if (!load.turns) return dJointGetSliderPosition(load.made);
+  const auto told = [&] { return engine_ode::way_of(load.made, load.joint.kind, *load.motion) - load.start; };
+  if (!load.turns) return load.motion ? told() : dJointGetSliderPosition(load.made);
   constexpr double full_turn = 2 * std::numbers::pi;
-  const double angle = dJointGetHingeAngle(load.made);
+  const double angle = load.motion ? told() : dJointGetHingeAngle(load.made);
   return angle + full_turn * std::round((load.near - angle) / full_turn);
 }
 
 // The rate of a slider between two bodies that turn is not what dJointGetSliderPositionRate says: that is the
 // difference of their centres' velocities along the axis, which has the turning in it.
 double JointLoads::rate(const Load& load) {
+  if (load.motion) return rate_of(load.made, load.joint.kind, *load.motion);
   if (load.turns) return dJointGetHingeAngleRate(load.made);
   const dBodyID first = dJointGetBody(load.made, 0);
   const dBodyID second = dJointGetBody(load.made, 1);

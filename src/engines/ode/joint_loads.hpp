@@ -3,6 +3,7 @@
 #include <ode/ode.h>
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "odeval/mechanism.hpp"
@@ -12,7 +13,8 @@ namespace odeval::engine_ode {
 
 class JointLoads {
  public:
-  /// Of a hinge or a slider that ODE holds; nothing where nothing acts on it.
+  /// Of a joint that ODE holds; nothing where nothing acts on it. Of one with several motions one by one, in their
+  /// order.
   void add(dJointID made, const Joint& joint);
   /// Of a strut between a body and another, or the world (null).
   void add(dBodyID first, dBodyID second, const Strut& strut);
@@ -23,7 +25,8 @@ class JointLoads {
   /// Adds all loads to the bodies as they stand at a time of the step.
   void apply(double t) const;
 
-  /// Of the joints that were added and have loads, in that order: what is added at a time, by kinds.
+  /// Of the joints, and motions of joints, that were added and have loads, in that order: what is added at a time, by
+  /// kinds.
   Works by_kind(std::size_t load, double t) const;
   /// Likewise: where the joint stands.
   double way_of(std::size_t load) const { return way(loads_[load]); }
@@ -40,10 +43,13 @@ class JointLoads {
   struct Load {
     dJointID made;
     Joint joint;
-    bool turns;       // a hinge, else a slider
-    double near = 0;  // the way at the last sample: ODE counts angles within half a turn
+    bool turns;                              // else it slides
+    std::optional<std::size_t> motion = {};  // of a joint with several
+    double start = 0;                        // where that was at t = 0, as ODE tells it
+    double near = 0;                         // the way at the last sample: ODE counts angles within half a turn
     double held = 0;
   };
+  static void apply(const Load& load, double force);
   static double way(const Load& load);
   static double rate(const Load& load);
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "engines/ode/library.hpp"
+#include "engines/ode/joint_axis.hpp"
 
 namespace odeval::engine_ode {
 namespace {
@@ -18,41 +18,9 @@ Vec3 told_by(dJointID joint, void (*get)(dJointID, dVector3)) {
   return vector(told);
 }
 
-/// A motion of a joint with several that a motor drives: its axis now, and a point of it that both bodies share.
-struct Moved {
-  Vec3 axis;
-  Vec3 at;
-};
-struct FindMoved {
-  dJointID joint;
-  std::size_t motion;  // of driveable_of
-
-  Moved operator()(const UniversalJoint&) const {
-    return {told_by(joint, motion == 0 ? dJointGetUniversalAxis1 : dJointGetUniversalAxis2),
-            told_by(joint, dJointGetUniversalAnchor)};
-  }
-  Moved operator()(const PistonJoint&) const {
-    return {told_by(joint, dJointGetPistonAxis), told_by(joint, dJointGetPistonAnchor2)};
-  }
-  Moved operator()(const SlidingHingeJoint&) const {
-    return {told_by(joint, motion == 0 ? dJointGetPRAxis1 : dJointGetPRAxis2), told_by(joint, dJointGetPRAnchor)};
-  }
-  Moved operator()(const SlidingUniversalJoint&) const {
-    const auto axis = motion == 0 ? dJointGetPUAxisP : motion == 1 ? dJointGetPUAxis1 : dJointGetPUAxis2;
-    return {told_by(joint, axis), told_by(joint, dJointGetPUAnchor)};
-  }
-  Moved operator()(const Hinge2Joint&) const {
-    return {told_by(joint, motion == 0 ? dJointGetHinge2Axis1 : dJointGetHinge2Axis2),
-            told_by(joint, dJointGetHinge2Anchor)};
-  }
-  template <class Other>
-  Moved operator()(const Other&) const {
-    throw Fault("a joint without several motions");
-  }
-};
-
-double place_of(dJointID joint, bool turns) {
-  return turns ? dJointGetHingeAngle(joint) : dJointGetSliderPosition(joint);
+double place_of(dJointID joint, const JointKind& kind, std::optional<std::size_t> motion) {
+  if (motion) return way_of(joint, kind, *motion);
+  return std::holds_alternative<HingeJoint>(kind) ? dJointGetHingeAngle(joint) : dJointGetSliderPosition(joint);
 }
 
 }  // namespace
@@ -69,10 +37,13 @@ Ledger::Ledger(const Scenario& scenario, Scene& scene)
   for (std::size_t i = 0; i < mechanism_.bodies.size(); ++i) numbers_[body(i).position] = i;
   for (std::size_t j = 0; j < mechanism_.joints.size(); ++j) {
     const Joint& joint = mechanism_.joints[j];
-    for (const AxisMotor& each : joint.motors) {
-      driven_.push_back({j, !driveable_of(joint.kind)[each.motion].slides, &each});
+    for (const AxisDrive& each : joint.drives) {
+      driven_.push_back(
+          {j, alone(joint, each), !driveable_of(joint.kind)[each.motion].slides, each.motion, each.number});
     }
-    if (joint.motors.empty() && joint.driven()) driven_.push_back({j, std::holds_alternative<HingeJoint>(joint.kind)});
+    if (joint.drives.empty() && joint.driven()) {
+      driven_.push_back({j, joint, std::holds_alternative<HingeJoint>(joint.kind)});
+    }
     if (std::holds_alternative<Hinge2Joint>(joint.kind)) suspensions_.push_back({j, {}});
   }
 }
@@ -91,10 +62,10 @@ Ledger::Row Ledger::pair(std::size_t first, std::optional<std::size_t> second, c
 
 // Of a slider between two bodies ODE lets the force act half-way between their centres.
 Ledger::Row Ledger::axis_of(const Driven& joint) const {
-  const Joint& what = mechanism_.joints[joint.number];
+  const Joint& what = joint.what;
   const dJointID made = scene_.joint(joint.number);
-  if (joint.motor) {
-    const auto [axis, at] = std::visit(FindMoved{made, joint.motor->motion}, what.kind);
+  if (joint.motion) {
+    const auto [axis, at] = odeval::engine_ode::axis_of(made, what.kind, *joint.motion);
     if (joint.turns) return {what.first, what.second, {}, axis, Vec3{} - axis};
     return pair(what.first, what.second, {at, at}, axis);
   }
@@ -119,16 +90,16 @@ double Ledger::rate(const Row& row, const std::vector<Twist>& twists) const {
 
 // ODE lets a stop act by the pose before the step (joint.cpp: testRotationalLimit).
 void Ledger::see_stop(Driven& joint) {
-  const auto& stop = mechanism_.joints[joint.number].stop;
+  const auto& stop = joint.what.stop;
   if (!stop) return;
   const bool was_free = !joint.at_low && !joint.at_high;
-  const double place = place_of(scene_.joint(joint.number), joint.turns);
+  const double place = place_of(scene_.joint(joint.number), joint.what.kind, joint.motion);
   joint.at_low = place <= real(stop->low);
   joint.at_high = !joint.at_low && place >= real(stop->high);
   const double now = rate(joint.row, before_);
   const bool strikes = (joint.at_low && now < 0) || (joint.at_high && now > 0);
   if (was_free && strikes)
-    strikes_.push_back({t_, joint.number, joint.at_low, now, std::numeric_limits<double>::quiet_NaN()});
+    strikes_.push_back({t_, joint.number, joint.in_file, joint.at_low, now, std::numeric_limits<double>::quiet_NaN()});
 }
 
 void Ledger::before_step(double t) {
@@ -139,12 +110,11 @@ void Ledger::before_step(double t) {
     joint.row = axis_of(joint);
     if (joint.turns) {
       const dJointID made = scene_.joint(joint.number);
-      const Joint& what = mechanism_.joints[joint.number];
-      const Vec3 anchor = joint.motor ? std::visit(FindMoved{made, joint.motor->motion}, what.kind).at
-                                      : told_by(made, dJointGetHingeAnchor);
-      joint.lever = arm(what.first, anchor);
+      const Vec3 anchor = joint.motion ? odeval::engine_ode::axis_of(made, joint.what.kind, *joint.motion).at
+                                       : told_by(made, dJointGetHingeAnchor);
+      joint.lever = arm(joint.what.first, anchor);
     }
-    if (mechanism_.joints[joint.number].loaded()) joint.loads = scene_.loads().by_kind(next++, t);
+    if (joint.what.loaded()) joint.loads = scene_.loads().by_kind(next++, t);
     see_stop(joint);
   }
   struts_.clear();
@@ -160,10 +130,6 @@ void Ledger::before_step(double t) {
   }
 }
 
-std::optional<Motor> Ledger::motor_of(const Driven& joint) const {
-  return joint.motor ? joint.motor->motor : mechanism_.joints[joint.number].motor;
-}
-
 /// What a joint gives along the axis of a motion: its rows that hold have nothing there.
 double Ledger::feedback_along(const Driven& joint) const {
   const dJointFeedback& told = scene_.feedback(joint.number);
@@ -174,14 +140,15 @@ double Ledger::feedback_along(const Driven& joint) const {
 
 // A motor that presses on while its stop acts does so beside ODE's equations, with all it has (joint.cpp: addLimot).
 void Ledger::drive(Driven& joint) {
-  const Joint& what = mechanism_.joints[joint.number];
-  const std::optional<Motor> motor = motor_of(joint);
+  const Joint& what = joint.what;
+  const std::optional<Motor>& motor = what.motor;
   const double mean = step_s_ * rate(joint.row, mean_);
   const double told = feedback_along(joint);
   const bool stopped = joint.at_low || joint.at_high;
   const bool driven = motor && motor->most > 0 && !(stopped && what.stop->low == what.stop->high);
   joint.total = told;
-  double push = stopped ? 0 : told;
+  // Axes that cross stand square but for ODE's error: of what acts about one a little is told about the other.
+  double push = stopped || (joint.motion && !motor) ? 0 : told;
   if (stopped) {
     of(works_, Work::stops) += told * mean;
     const bool forwards = driven && (motor->speed > 0 || (motor->speed == 0 && joint.at_high));
@@ -198,7 +165,7 @@ void Ledger::drive(Driven& joint) {
     if (kind != static_cast<std::size_t>(Work::springs)) works_[kind] += joint.loads[kind] * mean;
   }
   for (auto strike = strikes_.rbegin(); strike != strikes_.rend() && strike->t == t_; ++strike) {
-    if (strike->joint == joint.number) strike->rate_after = rate(joint.row, after_);
+    if (strike->joint == joint.number && strike->motion == joint.in_file) strike->rate_after = rate(joint.row, after_);
   }
 }
 
@@ -242,8 +209,7 @@ double Ledger::elastic_energy(std::span<const BodyState> bodies) {
   double energy = ways_->elastic_energy(bodies);
   std::size_t next = 0;
   for (const Driven& joint : driven_) {
-    const Joint& what = mechanism_.joints[joint.number];
-    if (what.loaded()) energy += odeval::elastic_energy(what, scene_.loads().way_of(next++));
+    if (joint.what.loaded()) energy += odeval::elastic_energy(joint.what, scene_.loads().way_of(next++));
   }
   return energy;
 }
@@ -266,9 +232,9 @@ void Ledger::record_loads(Sample sample) const {
 void Ledger::tell(Outcome& outcome) const {
   outcome.strikes = strikes_;
   for (const Driven& joint : driven_) {
-    if (!motor_of(joint) || steps_ == 0) continue;
+    if (!joint.what.motor || steps_ == 0) continue;
     const double share = static_cast<double>(joint.at_limit) / static_cast<double>(steps_);
-    outcome.motors.push_back({joint.number, share, joint.first_s, joint.motor ? joint.motor->key : ""});
+    outcome.motors.push_back({joint.number, share, joint.first_s, joint.in_file});
   }
 }
 

@@ -50,15 +50,17 @@ class Ledger {
   };
   struct Driven {
     std::size_t number;  // of the joint
+    Joint what;          // of one of several motions the joint with that alone
     bool turns;
-    const AxisMotor* motor = nullptr;  // of one of several motions, in mechanism_
-    Row row{};                         // in the step
-    Vec3 lever{};                      // of a hinge, from the first body's centre to the anchor, likewise
-    Works loads{};                     // likewise
-    double total = 0;                  // along the joint, likewise
-    bool at_low = false;               // its stop acts in the step
-    bool at_high = false;              // likewise
-    long at_limit = 0;                 // steps in which the motor gave all it has
+    std::optional<std::size_t> motion = {};  // of several
+    std::size_t in_file = 0;                 // its number there
+    Row row{};                               // in the step
+    Vec3 lever{};                            // of what turns, from the first body's centre to the anchor, likewise
+    Works loads{};                           // likewise
+    double total = 0;                        // along the joint, likewise
+    bool at_low = false;                     // its stop acts in the step
+    bool at_high = false;                    // likewise
+    long at_limit = 0;                       // steps in which the motor gave all it has
     std::optional<double> first_s = {};
   };
   struct Damper {
@@ -72,7 +74,6 @@ class Ledger {
   Row pair(std::size_t first, std::optional<std::size_t> second, const std::array<Vec3, 2>& at,
            const Vec3& along) const;
   Row axis_of(const Driven& joint) const;
-  std::optional<Motor> motor_of(const Driven& joint) const;
   double rate(const Row& row, const std::vector<Twist>& twists) const;
   double feedback_along(const Driven& joint) const;
   void see_stop(Driven& joint);

@@ -236,19 +236,11 @@ class Reading {
     between.place = model * pose_of(said, "__model__");
     if (joint.kind == Kind::hinge || joint.kind == Kind::slider || joint.kind == Kind::universal) {
       joint.axis = axis_of(said, 0);
-      take_axis(joint, *said.Axis(0));
+      take_axis(joint, joint.acting, *said.Axis(0));
     }
     if (joint.kind == Kind::universal) {
       joint.axis2 = axis_of(said, 1);
-      Robot::Joint second = joint;
-      take_axis(second, *said.Axis(1));
-      for (const Robot::Joint* axis : {&joint, &second}) {
-        if (!axis->limits_q && axis->damping == 0 && axis->friction == 0 && axis->stiffness == 0) continue;
-        robot_.remark("axes of universal joints", "limits, damping, friction and springs not taken", joint.name);
-        break;
-      }
-      joint.limits_q.reset();
-      joint.damping = joint.friction = joint.stiffness = 0;
+      take_axis(joint, joint.acting2, *said.Axis(1));
     }
     joints_.push_back(between);
   }
@@ -286,16 +278,17 @@ class Reading {
     return unit(said);
   }
 
-  void take_axis(Robot::Joint& joint, const sdf::JointAxis& axis) {
+  void take_axis(const Robot::Joint& joint, Robot::Acting& acting, const sdf::JointAxis& axis) {
     constexpr double none = 1e15;  // SDFormat's own word for no limit is 1e16, or infinity
-    if (std::fabs(axis.Lower()) < none && std::fabs(axis.Upper()) < none) joint.limits_q = {axis.Lower(), axis.Upper()};
-    if (!joint.limits_q && (std::fabs(axis.Lower()) < none || std::fabs(axis.Upper()) < none)) {
+    if (std::fabs(axis.Lower()) < none && std::fabs(axis.Upper()) < none)
+      acting.limits_q = {axis.Lower(), axis.Upper()};
+    if (!acting.limits_q && (std::fabs(axis.Lower()) < none || std::fabs(axis.Upper()) < none)) {
       robot_.remark("limits", "not taken: of one end alone", joint.name);
     }
-    joint.damping = axis.Damping();
-    joint.friction = axis.Friction();
-    joint.stiffness = axis.SpringStiffness();
-    joint.rest = axis.SpringReference();
+    acting.damping = axis.Damping();
+    acting.friction = axis.Friction();
+    acting.stiffness = axis.SpringStiffness();
+    acting.rest = axis.SpringReference();
     const auto given = [](double limit) { return limit > 0 && std::isfinite(limit) && limit < none; };
     if (given(axis.Effort())) robot_.remark("effort limits", "not taken: nothing drives the joints yet", joint.name);
     if (given(axis.MaxVelocity())) robot_.remark("velocity limits", "not taken: ODE has none", joint.name);

@@ -136,7 +136,7 @@ class Reading {
     }
     made.axis = unit(made.axis);
     if (joint.limits && joint.type != urdf::Joint::CONTINUOUS) {
-      made.limits_q = {joint.limits->lower, joint.limits->upper};
+      made.acting.limits_q = {joint.limits->lower, joint.limits->upper};
     }
     if (joint.limits && joint.limits->effort > 0) {
       robot_.remark("effort limits", "not taken: nothing drives the joints yet", joint.name);
@@ -145,8 +145,8 @@ class Reading {
       robot_.remark("velocity limits", "not taken: ODE has none", joint.name);
     }
     if (joint.dynamics) {
-      made.damping = joint.dynamics->damping;
-      made.friction = joint.dynamics->friction;
+      made.acting.damping = joint.dynamics->damping;
+      made.acting.friction = joint.dynamics->friction;
     }
     if (joint.mimic) {
       robot_.remark("mimic", "not taken: the joint moves by itself, and not as another does", joint.name);
