@@ -178,6 +178,14 @@ bool is_round(const Contact& contact) {
   return shape(contact.geoms.first) == Shape::round || shape(contact.geoms.second) == Shape::round;
 }
 
+bool is_only_one(const Contact& contact) {
+  if (contact.is_stop) return false;
+  const auto class_of = [](const void* geom) { return dGeomGetClass(static_cast<dGeomID>(const_cast<void*>(geom))); };
+  const int one = class_of(contact.geoms.first), other = class_of(contact.geoms.second);
+  const auto is_convex = [](int of) { return of <= dPlaneClass; };
+  return (one == dSphereClass && is_convex(other)) || (other == dSphereClass && is_convex(one));
+}
+
 std::optional<Footholds> Footholds::of(const Mechanism& mechanism, const AccurateStepOptions& options,
                                        std::span<const Contact> contacts, const State& state, bool struck) {
   std::vector<Contact> resting;

@@ -14,6 +14,8 @@ namespace odeval::engine_rk4 {
 
 /// Does one of its geoms roll? Of a stop, no.
 bool is_round(const Contact& contact);
+/// Of a ball and what is convex: they meet at one point at most.
+bool is_only_one(const Contact& contact);
 
 class Footholds {
  public:

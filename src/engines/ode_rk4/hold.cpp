@@ -91,7 +91,8 @@ Flight::Out Flight::stop_and_push_out(State& state, double h, bool again, std::v
     halted_[i].linear += state[i].twist.linear - falling[i].twist.linear;
     halted_[i].angular += state[i].twist.angular - falling[i].twist.angular;
   }
-  const double work = impact.work(impulses, here_, free, state);
+  const double work =
+      impact.work(impulses, here_, free, state) + impact.work_of_driven(impulses - impact.felt(), state);
   if (first) tell_joints(impact, impulses, state, h);
   impact.spend(impulses, motors);  // what is found on the way out is borne by what they can give yet
   const double done = !first ? 0 : passive() ? gained(here_, free) : work_of_pushes(free, h);

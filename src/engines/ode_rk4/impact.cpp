@@ -319,15 +319,33 @@ void Impact::note(const Eigen::VectorXd& impulses, std::size_t number, Contact& 
   }
 }
 
-Eigen::VectorXd Impact::stop(State& state) const {
+Eigen::VectorXd Impact::felt() const {
   Eigen::VectorXd felt = Eigen::VectorXd::Zero(response_.rows());
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const Contact& row = rows_[i];
     felt[static_cast<Eigen::Index>(i)] = (row.turns ? row.felt_turn : row.felt).dot(row.normal);
   }
-  const Eigen::VectorXd p = hold(speeds(state) - response_ * felt, rubbing_);
-  strike_by(p - felt, state);
+  return felt;
+}
+
+Eigen::VectorXd Impact::stop(State& state) const {
+  const Eigen::VectorXd before = felt(), p = hold(speeds(state) - response_ * before, rubbing_);
+  strike_by(p - before, state);
   return p;
+}
+
+double Impact::work_of_driven(const Eigen::VectorXd& impulses, const State& state) const {
+  const std::vector<Body>& bodies = motion_.mechanism().bodies;
+  double sum = 0;
+  for (std::size_t i = 0; i + motors_.size() < rows_.size(); ++i) {
+    const Contact& row = rows_[i];
+    const auto speed = [&](std::size_t body, const Vector3d& arm) {
+      if (body == world_body || bodies[body].inverse_mass > 0) return 0.0;
+      return along(row, arm, state[body].twist);
+    };
+    sum += impulses[static_cast<Eigen::Index>(i)] * (speed(row.b, arms_[2 * i + 1]) - speed(row.a, arms_[2 * i]));
+  }
+  return sum;
 }
 
 double Impact::work(const Eigen::VectorXd& impulses, const State& before, const State& free, const State& after) const {

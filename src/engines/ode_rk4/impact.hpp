@@ -76,10 +76,14 @@ class Impact {
   /// Without restitution: impulses, friction in its cone, and of motors, what contacts did on the way here included.
   /// Returns them.
   Eigen::VectorXd stop(State& state) const;
+  /// What contacts did on the way here.
+  Eigen::VectorXd felt() const;
   bool has_motors() const { return !motors_.empty(); }
   /// Of motors, J, by impulses of `stop` that acted evenly from one state to another, besides what they did on the way
   /// to where it was `free` of those: what they gave there goes on over what these make of the way.
   double work(const Eigen::VectorXd& impulses, const State& before, const State& free, const State& after) const;
+  /// Of bodies that move of themselves, J, by impulses at contacts: a belt drives what rubs on it.
+  double work_of_driven(const Eigen::VectorXd& impulses, const State& state) const;
   /// Takes off motors' limits what they gave.
   void spend(const Eigen::VectorXd& impulses, std::vector<LateMotor>& motors) const;
   /// What motors gave, as contacts whose first geom is the joint's id, with what they push; notes it for the next time.

@@ -116,7 +116,8 @@ void Flight::arrive(const State& at, double passed) {
     now.point = push.point_after(passed, at);
     now.felt = passed * push.force_after(passed);
     now.felt_turn = passed * push.torque_after(passed);
-    double nearest = most_change * passed * push.drift.norm() + most_acceleration * passed * passed;
+    double nearest =
+        is_only_one(now) ? HUGE_VAL : most_change * passed * push.drift.norm() + most_acceleration * passed * passed;
     Contact* same = nullptr;
     for (std::size_t i = 0; i < found; ++i) {
       const double away = (contacts_[i].point - now.point).norm();
