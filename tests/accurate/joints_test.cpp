@@ -433,9 +433,40 @@ void check_noticed() {
   taken("hinge2's motor", hinge2, [](dJointID joint) { dJointSetHinge2Param(joint, dParamFMax2, 1); });
 }
 
+/// The second axis of a piston has a stop with a restitution of its own; and the second motor of a universal joint goes
+/// about an axis that its second body carries.
+void check_second_axes() {
+  World world({0, 0, 0});
+  const dBodyID rod = world.box(1, {0.2, 0.2, 0.6}, {0, 0, 0});
+  const dJointID guide = dJointCreatePiston(world.id, nullptr);
+  dJointAttach(guide, rod, nullptr);
+  dJointSetPistonAxis(guide, 0, 0, 1);
+  dJointSetPistonParam(guide, dParamLoStop2, -0.3);
+  dJointSetPistonParam(guide, dParamHiStop2, 0.3);
+  dJointSetPistonParam(guide, dParamBounce2, 0.5);
+  World::move(rod, {0, 0, 0}, {0, 0, 2});
+  AccurateStep step(world.id, world.space);
+  for (int k = 0; k < 20; ++k) step(1e-2);
+  CHECK_NEAR(dBodyGetAngularVel(rod)[2], -1, 1e-12);
+
+  World other({0, 0, 0});
+  const dBodyID cross = other.box(1, {0.2, 0.3, 0.4}, {0, 0, 0});
+  const Quaterniond turned(Eigen::AngleAxisd(0.5, Vector3d::UnitX()));
+  const dJointID centre = other.universal(cross, nullptr, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  dJointSetUniversalParam(centre, dParamFMax, 100);
+  dJointSetUniversalParam(centre, dParamFMax2, 100);
+  World::place(cross, {0, 0, 0}, turned);
+  dJointSetUniversalParam(centre, dParamVel, 1);
+  dJointSetUniversalParam(centre, dParamVel2, 0.7);
+  AccurateStep both(other.id, other.space);
+  for (int k = 0; k < 50; ++k) both(1e-2);
+  CHECK_NEAR(dBodyGetAngularVel(cross)[1], 0.7, 1e-12);  // the second axis stands still, on the world
+}
+
 }  // namespace
 
 int main() {
+  check_second_axes();
   check_motion("piston", piston);
   check_motion("PR", pr);
   check_motion("PU", pu_held);
