@@ -82,6 +82,8 @@ void check_unsupported() {
   for (const auto make : {dJointCreatePiston, dJointCreatePR, dJointCreatePU}) {
     refused("attach it as the second", [make](Pendulum& w) { dJointAttach(make(w.id, nullptr), nullptr, w.two); });
   }
+  refused("attach it to the world",
+          [](Pendulum& w) { dJointAttach(dJointCreatePlane2D(w.id, nullptr), w.one, w.two); });
   refused("has stops", [](Pendulum& w) {
     const dJointID joint = dJointCreatePU(w.id, nullptr);
     dJointAttach(joint, w.one, w.two);

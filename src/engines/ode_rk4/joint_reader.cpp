@@ -283,6 +283,8 @@ class JointReader {
   /// ODE keeps the centre at z = 0, and tells nothing of the motors.
   void plane() {
     body_first();
+    if (joint_.b != world_body)
+      refuse_this(" holds its first body only, whatever the second is; attach it to the world");
     const Vector3d up = Vector3d::UnitZ();
     joint_.slides.push_back({a_.direction(up), Vector3d::Zero(), Vector3d::Zero()});
     along(up);
