@@ -180,6 +180,7 @@ Frame truth(const Case& what, const Setup& of, double t) {
 struct Run {
   double off = 0;          // m or rad
   double unaccounted = 0;  // J
+  double force = 0;        // N, of the joint
   std::vector<StopStrike> strikes;
 };
 /// `reference` is of rows at the same times; its motion is not looked at.
@@ -193,6 +194,7 @@ Run run(const char* method, const Case& what, const Setup& of, const std::shared
     const Frame is = truth(what, of, found.trace.t[k]);
     for (std::size_t d = 0; d < 3; ++d) run.off = std::fmax(run.off, std::fabs(is.position_m[d] - cube.position[d][k]));
     for (std::size_t d = 0; d < 9; ++d) run.off = std::fmax(run.off, std::fabs(is.rotation[d] - cube.rotation[d][k]));
+    run.force = std::fmax(run.force, length({cube.joint_force[0][k], cube.joint_force[1][k], cube.joint_force[2][k]}));
     if (found.trace.unaccounted.empty()) continue;  // of the accurate step
     run.unaccounted = std::fmax(run.unaccounted, std::fabs(found.trace.unaccounted[k]));
   }
@@ -220,10 +222,13 @@ void check(const char* how, const Case& what, const std::function<Act(double h)>
   const auto rows =
       std::make_shared<const Reference>(reference::solve_tree(at_coarsest.scenario, sample_grid(at_coarsest.scenario)));
   const Run reference = run("mechanism-cvode", what, at_coarsest, rows);
-  std::printf("%s on %s, %s, %s: reference %.3g off, %.3g J unaccounted\n", what.kind, what.parent, how,
-              only == 0 ? "all motions" : fmt::format("motion {}", only).c_str(), reference.off, reference.unaccounted);
+  std::printf("%s on %s, %s, %s: reference %.3g off, %.3g J unaccounted, %.3g N\n", what.kind, what.parent, how,
+              only == 0 ? "all motions" : fmt::format("motion {}", only).c_str(), reference.off, reference.unaccounted,
+              reference.force);
   CHECK_BETWEEN(reference.off, 0, 1e-9);
   CHECK_BETWEEN(reference.unaccounted, 0, 1e-9);
+  // What moves it is all that it needs: a load of a way is no force of the joint.
+  if (how == std::string("loaded") || how == std::string("controlled")) CHECK_BETWEEN(reference.force, 0, 1e-9);
   check_strikes(reference.strikes, at_coarsest, 1e-9);
   Run before;
   double order = 0;
