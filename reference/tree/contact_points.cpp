@@ -102,7 +102,8 @@ Meeting meeting(const ContactPoint& point, const std::vector<Placed>& bodies) {
   }
   const Placed& other = bodies[*point.other];
   const Vec3 between = place - other.position_m;
-  now.normal = unit(between);
+  // A step may look beyond the contact, where centres may meet: then any direction will do.
+  now.normal = length(between) > 0 ? unit(between) : Vec3{0, 0, 1};
   now.apart_m = length(between) - point.radius_m - point.other_radius_m;
   now.point_m = other.position_m + point.other_radius_m * now.normal;
   now.rate_m_s = dot(now.normal, velocity(body, now.point_m) - velocity(other, now.point_m));

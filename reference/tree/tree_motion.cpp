@@ -18,6 +18,9 @@ using Axis = TreeEquations::Axis;
 /// Times nearer than this, of t or of 1 s, are one.
 constexpr double same_time = 1e-11;
 
+/// Of places a metre apart, with a margin of a thousand: less is no overlap.
+constexpr double rounding_m = 1e-13;
+
 /// Where a step is looked at for what has no turning points to go by.
 constexpr int looks = 4;
 
@@ -83,10 +86,13 @@ void TreeMotion::require_clear_start() const {
   const std::vector<Meeting> all = equations_.meetings(state_.data());
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (all[i].apart_m > TreeEquations::at_end || all[i].rate_m_s > TreeEquations::rest_speed) continue;
-    throw UserError(
-        fmt::format("{}: at t = 0 body '{}' lies {:.3g} m inside what it touches: the reference knows of "
-                    "impacts and not of rest; start it clear of that, or moving away",
-                    file_, names_[equations_.points()[i].body], -all[i].apart_m));
+    const std::string how = all[i].apart_m < -rounding_m
+                                ? fmt::format("lies {:.3g} m inside what it touches", -all[i].apart_m)
+                                : "touches what it does not leave";
+    throw UserError(fmt::format(
+        "{}: at t = 0 body '{}' {}: the reference knows of impacts and not of rest; start it clear of that, "
+        "or moving away",
+        file_, names_[equations_.points()[i].body], how));
   }
 }
 

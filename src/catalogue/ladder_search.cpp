@@ -77,8 +77,9 @@ Tried LadderSearch::run(const std::vector<Change>& changes, double setting, bool
     const Evaluation done = evaluator.evaluate(method_);
     const Metrics metrics = evaluator.measure(done, evaluator.grid().time(evaluator.grid().rows - 1));
     trial.steps = done.outcome.steps;
-    trial.impacts = !done.outcome.impacts.empty() || !done.outcome.strikes.empty();
-    hits_ = hits_ || trial.impacts;
+    const bool hits = !done.outcome.impacts.empty() || !done.outcome.strikes.empty();
+    hits_ = hits_ || hits;
+    trial.impacts = hits || !scenario.mechanism.contacts.empty();  // impacts of [[contacts]] are not told
     for (std::size_t i = 0; i < budget_.targets.size(); ++i) {
       const quantity::Id id = budget_.targets[i].id;
       trial.reached[i] = {metrics[id], uncertainty_of(id, metrics)};

@@ -144,6 +144,41 @@ void a_cradle() {
   CHECK_BETWEEN(reference.uncertainty_position.back(), 0, 1e-8);
 }
 
+/// The speeds of two that meet in line, by Newton's law.
+std::array<double, 2> parted(double m, double v, double other_m, double other_v, double restitution) {
+  const double common = (m * v + other_m * other_v) / (m + other_m);
+  const double apart = restitution * (v - other_v) / (m + other_m);
+  return {common - other_m * apart, common + m * apart};
+}
+
+// Free ones in a row without gravity: three impacts. The reference's own steps look beyond them, to where two centres
+// are one point: 1 m/s, 0.3 m and rows of 1 ms.
+void balls_in_a_row() {
+  constexpr double restitution = 0.7, diameter = 0.1;
+  Scenario scenario;
+  scenario.name = "row";
+  scenario.gravity = 0;
+  scenario.duration_s = 1;
+  scenario.step_s = 1e-3;
+  const auto ball = [](const char* name, double mass, double x, double v) {
+    return Body{
+        .shape = Sphere{diameter}, .mass_kg = mass, .position_m = {x, 0, 0}, .velocity_m_s = {v, 0, 0}, .name = name};
+  };
+  scenario.mechanism.bodies = {ball("a", 1, 0, 1), ball("b", 1, 0.3, 0), ball("c", 2, 0.5, 0)};
+  scenario.mechanism.contacts = {{.restitution = restitution}};
+  const Reference reference = reference::solve_tree(scenario, SampleGrid{1e-3, 1, 1001});
+  const double first = 0.2;
+  const auto [a1, b1] = parted(1, 1, 1, 0, restitution);
+  const double second = first + 0.1 / b1;
+  const auto [b2, c2] = parted(1, b1, 2, 0, restitution);
+  const double third = second + (b1 - a1) * (second - first) / (a1 - b2);
+  const auto [a3, b3] = parted(1, a1, 1, b2, restitution);
+  const std::array wanted{first + a1 * (third - first) + a3 * (1 - third),
+                          0.3 + b1 * (second - first) + b2 * (third - second) + b3 * (1 - third),
+                          0.5 + c2 * (1 - second)};
+  for (std::size_t i = 0; i < 3; ++i) CHECK_NEAR(reference.trace.bodies[i].position[0].back(), wanted[i], 1e-12);
+}
+
 void what_is_not_followed() {
   Scenario scenario = ball_on_rail(0.5);
   const SampleGrid grid{0.01, 1, 301};
@@ -175,6 +210,7 @@ int main() {
   a_ball_on_a_floor(several_on_rail(0.8));
   the_wall_pendulum();
   a_cradle();
+  balls_in_a_row();
   what_is_not_followed();
   return test::verdict();
 }
