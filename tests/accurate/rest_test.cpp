@@ -376,6 +376,31 @@ void check_parallel_boxes() {
   CHECK_BETWEEN(deepest, 0, 2e-4);
 }
 
+/// A box that slides on a plate of a thousandth to a millionth of its mass, which lies on a plane: no step adds energy,
+/// until the plate flies away, should it be thrown out: it may spin too fast for the formula then.
+void check_heavy_on_plate(double mass, double friction, double h) {
+  World world;
+  dCreatePlane(world.space, 0, 0, 1, 0);
+  const dBodyID plate = world.box(mass, {0.5, 0.5, 0.1}, {0, 0, 0.05});
+  const dBodyID heavy = world.box(1000, {0.6, 0.6, 0.6}, {0.02, 0.01, 0.4});
+  World::move(heavy, {0.5, 0.1, 0}, {0, 0, 0});
+  AccurateStepOptions options;
+  options.contact = [friction](dGeomID, dGeomID) { return std::optional(Bounce{0, friction}); };
+  AccurateStep step(world.id, world.space, options);
+  const double energy = world.energy();
+  double last = energy, rise = 0;
+  int steps = 0;
+  for (; steps * h < 1.2 && dBodyGetPosition(plate)[2] < 0.2; ++steps) {
+    step(h);
+    rise = std::max(rise, world.energy() - last);
+    last = world.energy();
+  }
+  std::printf("1000 kg on %g kg, friction %g, %d steps of %g s: energy rises by at most %.2g J in one\n", mass,
+              friction, steps, h, rise);
+  // 6e-12 J of 4 kJ measured, and 5e-7 J of 6 kJ at other speeds: rounding of what moves a millionth of the mass.
+  CHECK_BETWEEN(rise, -HUGE_VAL, 1e-9 * energy);
+}
+
 }  // namespace
 
 int main() {
@@ -395,6 +420,11 @@ int main() {
   check_arm_slides();
   check_drag_is_not_given_back();
   check_parallel_boxes();
+  for (const double plate : {1e-3, 1e-2, 0.1, 0.3, 1.0}) {
+    for (const double friction : {0.0, 0.5}) {
+      for (const double h : {2e-3, 1e-2}) check_heavy_on_plate(plate, friction, h);
+    }
+  }
   for (const double friction : {0.0, 0.5}) {
     for (const double restitution : {0.0, 0.5, 1.0}) {
       for (const int links : {2, 3, 4}) check_dragged(links, restitution, friction);

@@ -15,6 +15,7 @@ using Indices = std::vector<Eigen::Index>;
 // Of a diagonal element: what is left of a row that the active ones already say is rounding, 1e-16 times their number
 // and condition.
 constexpr double dependent = 1e-11;
+constexpr double clearly = 1e3;     // of the rounding of energy
 constexpr double rounding = 1e-13;  // of the largest b: a row violated by less is satisfied
 
 /// The active rows and columns of A, factored: L L'.
@@ -173,6 +174,12 @@ std::vector<std::vector<Eigen::Index>> coupled(const Eigen::MatrixXd& a) {
     groups.push_back(std::move(group));
   }
   return groups;
+}
+
+bool takes_energy(const Eigen::MatrixXd& a, const Eigen::VectorXd& v, const Eigen::VectorXd& p) {
+  const Eigen::VectorXd size = p.cwiseAbs();
+  const double rounding_of_energy = std::numeric_limits<double>::epsilon() * size.dot(a.cwiseAbs() * size);
+  return p.dot(2 * v + a * p) < -clearly * rounding_of_energy;
 }
 
 Eigen::VectorXd complementary(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, const Eigen::VectorXd& guess) {

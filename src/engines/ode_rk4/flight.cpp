@@ -56,13 +56,9 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
     const double lift = taken_;
     fly(h);
     const bool keeps = collider_.works(motion_.mechanism()) && passive();
-    if (keeps && !keep_energy(state, before.resting, lift) && !fresh && crowded == 0 && touches_.empty()) {
+    if (keeps && !keep_energy(state, before.resting, lift) && !fresh && crowded == 0) {
       // What rested pushed bodies up that have not the motion to pay for that: they fall freely instead.
-      go_back(before);
-      taken_ = lift;
-      here_ = state;
-      crowd_on();
-      fly(h);
+      fall_freely(state, before, h);
       keep_energy(state, before.resting, lift);
     }
     if (collider_.works(motion_.mechanism()) && !finite(there_))
@@ -81,6 +77,18 @@ void Flight::advance(State& state, Forces& forces, double h, bool fresh) {
     left_ = state;
     std::swap(ground_then_, ground_);
   }
+}
+
+/// The step anew, as a crowd's. Impacts that were told stay told.
+void Flight::fall_freely(const State& start, const Memory& before, double h) {
+  go_back(before);
+  stopped_.clear();
+  struck_.clear();
+  bounced_.clear();
+  all_stopped_ = false;
+  here_ = start;
+  crowd_on();
+  fly(h);
 }
 
 /// Joints are closed, and what overlaps may be lifted out of it.

@@ -63,6 +63,7 @@ class Flight {
     taken_ = memory.taken;
   }
 
+  void fall_freely(const State& start, const Memory& before, double h);
   void begin();
   bool put_elsewhere(const State& state) const;
   void allow_lift();

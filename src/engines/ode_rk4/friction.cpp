@@ -313,7 +313,7 @@ VectorXd rub(const MatrixXd& a, const VectorXd& speeds, const Rubbing& rubbing, 
 }
 
 bool adds_energy(const MatrixXd& a, const VectorXd& v, const VectorXd& p) {
-  if (cancel(a, v, p)) return true;
+  if (cancel(a, v, p) && !takes_energy(a, v, p)) return true;
   const auto own = a.diagonal().array();                                      // 0: what joints lock
   const double energy = (own > 0).select(v.array().square() / own, 0).sum();  // twice
   return !(p.dot(2 * v + a * p) <= rounding / 10 * energy);

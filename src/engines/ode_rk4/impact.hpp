@@ -1,6 +1,7 @@
 #pragma once
 // What contacts do to velocities and poses: complementarity, solved for the whole mechanism.
 #include <array>
+#include <cmath>
 #include <span>
 #include <utility>
 #include <vector>
@@ -92,6 +93,11 @@ class Impact {
   void answer(const Eigen::VectorXd& impulses) const { respond(impulses); }
   /// Of motion that impulses alone would make of rest, J.
   double energy_of(const Eigen::VectorXd& impulses) const { return impulses.dot(response_ * impulses) / 2; }
+  /// Of a contact's speed, by its own normal impulse alone.
+  double own_change(const Eigen::VectorXd& impulses, std::size_t number) const {
+    const auto i = static_cast<Eigen::Index>(number);
+    return response_(i, i) * std::fabs(impulses[i]);
+  }
   /// Writes to a contact what impulses it got.
   void note(const Eigen::VectorXd& impulses, std::size_t number, Contact& contact) const;
   /// What `stop`, of forces over a time h, brought to stick first, from the velocities that it had before and that

@@ -16,7 +16,11 @@ constexpr std::size_t least_struck = 8;
 // Of a step: what contacts do in less says less than what they did before.
 constexpr double long_enough = 0.1;
 constexpr double same_face = 0.999;  // cosine
-constexpr double probe = 0.1;        // of a height that is known to the first order
+// m or rad, in a step, by one contact that nothing else opposed: what moves as far falls freely instead. A push that
+// another has to cancel so nearly, as on a plate that bears many times its own mass, would throw it out as soon as one
+// moved.
+constexpr double most_way = 0.05;
+constexpr double probe = 0.1;  // of a height that is known to the first order
 
 Vector3d turned(const Vector3d& vector, const Vector3d& spin, double time) {
   return (vector + time * spin.cross(vector)).normalized();
@@ -223,6 +227,7 @@ void Flight::note(const Impact& impact, const Eigen::VectorXd& impulses, double 
     Contact& contact = contacts_[i];
     impact.note(impulses, i, contact);
     if (h < long_enough * step_) continue;
+    if (impact.own_change(impulses, i) * h > most_way) contact.steady = false;
     contact.force = contact.push / h;
     contact.torque = contact.turn / h;
   }

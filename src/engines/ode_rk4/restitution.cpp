@@ -22,6 +22,8 @@ constexpr double tie = 1e-9;
 // Change of a contact's speed by its own impulse, of the fastest speed: rounding of it is 1e-12 then; or 1e-11, which
 // no impulse adds to energy that takes far more than that away.
 constexpr double largest = 1e4, largest_of_lossy = 1e5, lossy = 1e-9;
+// What bears a million times its own mass may change so much, as long as that clearly takes energy.
+constexpr double largest_of_heavy = 1e9;
 // Elastic rows end after as many rounds as they have contacts, light balls between heavy ones after pi times the root
 // of the ratio of masses; lossy ones that never end are as good as at rest by then.
 constexpr int most_rounds = 1000;
@@ -36,8 +38,9 @@ std::size_t index(Eigen::Index i) { return static_cast<std::size_t>(i); }
 /// other to rounding only.
 bool sound(const MatrixXd& a, const VectorXd& now, const VectorXd& p) {
   const double own_change = p.cwiseProduct(a.diagonal()).maxCoeff(), fastest = now.cwiseAbs().maxCoeff();
-  if (own_change > largest_of_lossy * fastest) return false;
   const VectorXd change = a * p;
+  if (own_change <= largest_of_heavy * fastest && takes_energy(a, now, p)) return true;
+  if (own_change > largest_of_lossy * fastest) return false;
   const auto own = a.diagonal().array();                                               // 0: what joints lock
   const double energy = (own > 0).select(now.array().square() / own, 0.0).maxCoeff();  // at least, twice
   const double most = own_change > largest * fastest ? -lossy : rounding / 10;
