@@ -201,7 +201,7 @@ void drive(Random& random, Driven& one, bool may_stop) {
   }
 }
 
-void beside_driven(const Scenario& scenario) {
+void beside_driven(const Scenario& scenario, bool may_die_out) {
   const Reference reference = reference::solve_tree(scenario, rows_of(row_spacing_s));
   const double coarse = error(world_step(), scenario, reference, 5e-4);
   const double fine = error(world_step(), scenario, reference, 5e-5);
@@ -221,7 +221,7 @@ void beside_driven(const Scenario& scenario) {
   // the end of a step, which is first order.
   const bool rests = std::fabs(rk_coarse / rk_fine - 2) < 0.1;
   // Bounces that die out end where they become shorter than the step, at a speed of its size: its square.
-  const bool dies_out = reference.strikes.size() > 20 && std::fabs(rk_coarse / rk_fine - 4) < 0.2;
+  const bool dies_out = may_die_out && reference.strikes.size() > 20 && std::fabs(rk_coarse / rk_fine - 4) < 0.2;
   CHECK(rk_fine < 1e-8 || rests || dies_out);
 }
 
@@ -235,7 +235,7 @@ void driven_tree(unsigned seed) {
     // one with less restitution than its ERP, 0.2, what leaves has the speed that mends how late the stop was seen.
     drive(random, joint, !std::holds_alternative<SliderJoint>(joint.kind) || !joint.second);
   }
-  beside_driven(scenario);
+  beside_driven(scenario, false);
 }
 
 /// Likewise each motion of joints with several.
@@ -252,7 +252,7 @@ void driven_motions(unsigned seed) {
       drive(random, each, !on_body);
     }
   }
-  beside_driven(scenario);
+  beside_driven(scenario, true);
 }
 
 }  // namespace

@@ -8,15 +8,6 @@
 namespace odeval::engine_ode {
 namespace {
 
-Vec3 vector(const dReal* v) { return {v[0], v[1], v[2]}; }
-
-/// What ODE calls a joint's anchor or axis.
-Vec3 told_by(dJointID joint, void (*get)(dJointID, dVector3)) {
-  dVector3 told;
-  get(joint, told);
-  return vector(told);
-}
-
 struct FindAxis {
   dJointID joint;
   std::size_t motion;

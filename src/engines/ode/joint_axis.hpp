@@ -8,6 +8,15 @@
 
 namespace odeval::engine_ode {
 
+inline Vec3 vector(const dReal* v) { return {v[0], v[1], v[2]}; }
+
+/// What ODE calls a joint's anchor or axis.
+inline Vec3 told_by(dJointID joint, void (*get)(dJointID, dVector3)) {
+  dVector3 told;
+  get(joint, told);
+  return vector(told);
+}
+
 /// A motion of a joint: its axis now, and a point of it that both bodies share.
 struct JointAxis {
   Vec3 axis;  // unit

@@ -9,8 +9,6 @@
 namespace odeval::engine_ode {
 namespace {
 
-Vec3 vector(const dReal* v) { return {v[0], v[1], v[2]}; }
-
 /// Where a point of a body, or of the world, is, and how fast.
 struct Moving {
   Vec3 place;

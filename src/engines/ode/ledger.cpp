@@ -9,15 +9,6 @@
 namespace odeval::engine_ode {
 namespace {
 
-Vec3 vector(const dReal* v) { return {v[0], v[1], v[2]}; }
-
-/// What ODE calls a hinge's anchor or axis, and so on.
-Vec3 told_by(dJointID joint, void (*get)(dJointID, dVector3)) {
-  dVector3 told;
-  get(joint, told);
-  return vector(told);
-}
-
 double place_of(dJointID joint, const JointKind& kind, std::optional<std::size_t> motion) {
   if (motion) return way_of(joint, kind, *motion);
   return std::holds_alternative<HingeJoint>(kind) ? dJointGetHingeAngle(joint) : dJointGetSliderPosition(joint);
