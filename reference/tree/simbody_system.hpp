@@ -27,8 +27,8 @@ struct LoopsOfSpeed {
 struct Loops {
   int equations = 0;                                        // 0: there are none
   std::vector<std::array<SimTK::MobilizedBody, 2>> welded;  // by loops: the two that have to be one
-  /// All that change a loop, in groups that have no loop in common: one product of the constraints' Jacobian tells what
-  /// each of a group does.
+  /// The speeds that change a loop, in groups of which no two change the same one: one product of the constraints'
+  /// Jacobian tells what each of a group does.
   std::vector<std::vector<LoopsOfSpeed>> apart;
   /// How many of them no others imply: as at t = 0. Where loops are not quite closed those that are implied look as if
   /// they were not.

@@ -58,7 +58,7 @@ bool are_parallel(dGeomID one, dGeomID other) {
   return true;
 }
 
-/// Along an axis of a box?
+/// Whether its normal lies along an axis of the box.
 bool is_square_to_face(const dContactGeom& contact, dGeomID box) {
   const dReal *const r = dGeomGetRotation(box), *const n = contact.normal;
   double most = 0;

@@ -11,8 +11,8 @@ namespace odeval::engine_rk4 {
 /// that nothing can satisfy (b asks both jaws of a vice to give way) are left as they are.
 Eigen::VectorXd complementary(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, const Eigen::VectorXd& guess = {});
 
-/// Do impulses on what moves at speeds v take far more energy away than the rounding of it? Then they are no rounding
-/// however large they are, as those of what bears many times its own mass.
+/// Whether impulses on what moves at speeds v take far more energy away than the rounding of it: then they are no
+/// rounding, however large they are, as those of what bears many times its own mass.
 bool takes_energy(const Eigen::MatrixXd& a, const Eigen::VectorXd& v, const Eigen::VectorXd& p);
 
 /// Rows that have a part in each other, directly or through others.
