@@ -1,6 +1,7 @@
 // Robots' files: what is made of them, and the proof that catches what an importer gets wrong.
 #include "model/import_robot.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <map>
