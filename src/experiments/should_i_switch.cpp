@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "catalogue/keeping.hpp"
 #include "experiments/all.hpp"
 #include "experiments/parts.hpp"
 #include "model/generate.hpp"
@@ -289,7 +290,10 @@ Content should_i_switch(Laboratory& laboratory, Findings& findings) {
                     {"worth", worth},
                     {"coarsest", 1e3 * steps_tried_s().front()},
                     {"finest", 1e3 * steps_tried_s().back()},
-                    {"equal", 1e3 * equal_step_s}};
+                    {"equal", 1e3 * equal_step_s},
+                    {"nearby", catalogue::nearby_percents.size()},
+                    {"percent", catalogue::farthest_percent},
+                    {"share", catalogue::share_where_it_hits}};
   content.exhibits.emplace_back(std::move(table));
   content.exhibits.emplace_back(std::move(figure));
   content.exhibits.emplace_back(std::move(at_error));

@@ -65,7 +65,9 @@ struct Rung {
   double us_per_s = NAN;    // CPU time of a simulated second, where the figure shows it
 };
 
-/// Of one way on one stage.
+/// Of one way on one stage. Where something hits something an error is the largest of the settings nearby
+/// (keeping.hpp), each with rows of its own; of settings that do not keep the budget that of the first run that says
+/// so.
 struct Tried {
   double setting = 0;         // the coarsest of the ladder that keeps the budget: step, s, or rtol
   Found error{};              // there

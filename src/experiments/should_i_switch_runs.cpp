@@ -52,10 +52,11 @@ void along_sliding(Scenario& scenario) {
   ode_as_it_is(scenario);
   scenario.ode.friction_axes = FrictionAxes::sliding;
 }
+void cone(Scenario& scenario) { scenario.mujoco.elliptic = true; }
 void stiff(Scenario& scenario) { scenario.mujoco.time_constant_s = 2 * scenario.step_s; }  // the least there is
 void stiff_cone(Scenario& scenario) {
   stiff(scenario);
-  scenario.mujoco.elliptic = true;
+  cone(scenario);
 }
 void patient(Scenario& scenario) { scenario.bullet.iterations = many_iterations; }
 void patient_and_firm(Scenario& scenario) {
@@ -91,50 +92,37 @@ class Bench {
 
   const Scenario& scenario() const { return scenario_; }
 
-  catalogue::Evaluator at(const Way& way, double setting) const {
-    Scenario scenario = scenario_;
-    if (way.method->order == 0) {
-      scenario.rtol = setting;
-    } else {
-      scenario.step_s = setting;
-    }
-    way.set(scenario);
-    return {std::move(scenario), reference_};
-  }
+  catalogue::Evaluator at(const Way& way, double setting) const { return beside(way, setting, rows_s, reference_); }
 
   struct Run {
     Metrics metrics{};  // none of a run that does not count
     Found found{};
+    bool kept = false;  // the budget, where something hits something at the settings nearby as well
   };
 
-  /// What blew up does not count, nor what ODE itself complained of.
-  Run run(const Way& way, double setting) const {
-    const catalogue::Suspects trials;
-    catalogue::Evaluator evaluator = at(way, setting);
-    const catalogue::Evaluation run = evaluator.evaluate(*way.method);
-    if (run.outcome.diverged) return {{}, {INFINITY, "the run blew up"}};
-    if (const std::string why = suspicion(run.outcome); !why.empty()) return {{}, {INFINITY, "suspect: " + why}};
-    const Metrics metrics = evaluator.measure(run, scenario_.duration_s);
-    return {metrics, {metrics[stage_.quantity].value_or(INFINITY), "nothing is told of it"}};
-  }
-  bool keeps(const Run& run) const {
-    return catalogue::keeps(run.found.error, uncertainty_of(stage_.quantity, run.metrics).value_or(0), stage_.budget);
+  /// What is told of a setting: where something hits something it is chance at which place of a step, and the largest
+  /// error of the settings nearby counts (keeping.hpp).
+  Run largest(const Way& way, double setting) const {
+    return worst_nearby(way, setting, run(way, setting), [](const Run&) { return false; });
   }
 
-  /// The coarsest setting that keeps the budget where the next finer one keeps it too: no luck.
+  /// The coarsest setting that keeps the budget where the next finer one keeps it too, and where something hits
+  /// something those nearby (keeping.hpp): no luck.
   void climb(const Way& way, Tried& tried) const {
     const std::span<const double> ladder =
         way.method->order == 0 ? std::span<const double>(rtols) : std::span<const double>(steps_s);
     bool kept_before = false;
     for (const double setting : ladder) {
-      const Run run = this->run(way, setting);
+      Run run = this->run(way, setting);
+      const bool proves = kept_before && run.kept;
+      if (!proves && run.kept) run = steady(way, setting, std::move(run));
       tried.rungs.push_back({setting, run.found.error, NAN});
       if (run.found.error < tried.best.error || tried.best_setting == 0) {
         tried.best_setting = setting;
         tried.best = run.found;
       }
-      if (kept_before && keeps(run)) return;
-      kept_before = keeps(run);
+      if (proves) return;
+      kept_before = run.kept;
       tried.keeps = kept_before;
       tried.setting = setting;
       tried.error = run.found;
@@ -146,9 +134,76 @@ class Bench {
   }
 
  private:
+  catalogue::Evaluator beside(const Way& way, double setting, double every_s,
+                              std::shared_ptr<const Reference> reference) const {
+    Scenario scenario = scenario_;
+    scenario.sample_s = every_s;
+    if (way.method->order == 0) {
+      scenario.rtol = setting;
+    } else {
+      scenario.step_s = setting;
+    }
+    way.set(scenario);
+    return {std::move(scenario), std::move(reference)};
+  }
+
+  bool keeps(const Run& run, double share = 1) const {
+    const double uncertainty = uncertainty_of(stage_.quantity, run.metrics).value_or(0);
+    return catalogue::keeps(run.found.error, uncertainty, share * stage_.budget);
+  }
+
+  Run run(const Way& way, double setting) const { return run(way, at(way, setting)); }
+
+  /// What blew up does not count, nor what ODE itself complained of.
+  Run run(const Way& way, catalogue::Evaluator evaluator) const {
+    const catalogue::Suspects trials;
+    const catalogue::Evaluation run = evaluator.evaluate(*way.method);
+    if (run.outcome.diverged) return {{}, {INFINITY, "the run blew up"}};
+    if (const std::string why = suspicion(run.outcome); !why.empty()) return {{}, {INFINITY, "suspect: " + why}};
+    const Metrics metrics = evaluator.measure(run, scenario_.duration_s);
+    Run told{metrics, {metrics[stage_.quantity].value_or(INFINITY), "nothing is told of it"}};
+    told.kept = keeps(told);
+    return told;
+  }
+
+  /// The run that keeps the budget least of those at a setting that keeps it and nearby, or the first that does not.
+  Run steady(const Way& way, double setting, Run run) const {
+    return worst_nearby(way, setting, std::move(run), [&](Run& near) {
+      near.kept = keeps(near, catalogue::share_where_it_hits);
+      return !near.kept;
+    });
+  }
+
+  /// The run with the largest error of that one and those at the settings nearby, where something hits something; each
+  /// has rows of its own, and with them a reference. Elsewhere that one. `until` is asked of each: true stops there.
+  template <class Until>
+  Run worst_nearby(const Way& way, double setting, Run worst, const Until& until) const {
+    if (reference_->impacts.empty() || !std::isfinite(worst.found.error)) return worst;
+    for (const double percent : catalogue::nearby_percents) {
+      const double every_s = catalogue::moved(rows_s, percent);
+      Run near = run(way, beside(way, catalogue::moved(setting, percent), every_s, reference_every(every_s)));
+      if (until(near)) return near;
+      if (near.found.error > worst.found.error) worst = std::move(near);
+    }
+    return worst;
+  }
+
+  /// The reference at other rows, solved once for all ways.
+  std::shared_ptr<const Reference> reference_every(double every_s) const {
+    std::shared_ptr<const Reference>& found = references_[every_s];
+    if (!found) {
+      Scenario scenario = scenario_;
+      scenario.sample_s = scenario.step_s = every_s;
+      catalogue::Evaluator solver(std::move(scenario));
+      found = std::make_shared<const Reference>(solver.reference());
+    }
+    return found;
+  }
+
   const Stage& stage_;
   Scenario scenario_;
   std::shared_ptr<const Reference> reference_;
+  mutable std::map<double, std::shared_ptr<const Reference>> references_{};  // by the spacing of their rows, s
 };
 
 /// CPU time of a simulated second, µs, of each way at a setting of its own, in turns; 0 where that is 0, and not a
@@ -212,6 +267,7 @@ std::vector<Way> ways(const Scenario& scenario) {
       add(method, Move::leave, "contacts as stiff as its step allows", stiff);
     }
     if (catalogue::reads(method, "mujoco.cone", scenario)) {
+      add(method, Move::leave, "elliptic cone", cone);
       add(method, Move::leave, "stiff contacts, elliptic cone", stiff_cone);
     }
     const std::string iterations = fmt::format("{} iterations", many_iterations);
@@ -238,7 +294,7 @@ Result result_of(const Stage& stage, Laboratory& laboratory, bool drawn) {
     const double own = way.method->order == 0 ? way.method->rtol : equal_step_s;
     usual.push_back(way.shown_at_step() ? own : 0);
     if (!way.shown_at_step()) continue;
-    const Bench::Run run = bench.run(way, own);
+    const Bench::Run run = bench.largest(way, own);
     tried.error_at_ms = run.found;
     tried.drift_J = run.metrics[quantity::max_energy_drift].value_or(NAN);
   }
@@ -259,7 +315,7 @@ Result result_of(const Stage& stage, Laboratory& laboratory, bool drawn) {
     const double rows = std::floor(rows_s / equal_step_s * at_step[0] / at_step[i]);
     tried.equal_cpu_s = rows_s / std::max(1.0, rows);
     tried.error_at_cpu = rows < 1 ? Found{INFINITY, fmt::format("a step of {} ms costs more", shown(1e3 * rows_s))}
-                                  : bench.run(result.ways[i], tried.equal_cpu_s).found;
+                                  : bench.largest(result.ways[i], tried.equal_cpu_s).found;
   }
   if (drawn) time_rungs(bench, result);
   return result;
