@@ -355,9 +355,15 @@ std::shared_ptr<const Passage> TreeMotion::next_passage() {
   if (margin > narrow * widest_) tried_ = anything;
   if (rate >= 0 || margin > narrow * widest_ || margin > tried_ / 2) return nullptr;
   tried_ = margin;
-  std::optional<Passage> passage = pass({equations_, chart_, grips_, end_, end_ - 2 * margin / rate}, now);
-  if (!passage || passage->way.end() > next_known_time()) return nullptr;
-  return std::make_shared<const Passage>(*std::move(passage));
+  State here = now;
+  std::optional<Passage> passage = pass({equations_, chart_, grips_, end_, end_ - 2 * margin / rate}, here);
+  if (passage && passage->way.end() <= next_known_time()) return std::make_shared<const Passage>(*std::move(passage));
+  const State small =
+      chart_->small(here);  // what was tried last lies beyond the pose, from where nothing is found here
+  if (!chart_->find_near(small.data(), here)) {
+    throw MachineError(fmt::format("reference for '{}': at t = {} s its loops can not be closed", name_, end_));
+  }
+  return nullptr;
 }
 
 void TreeMotion::happen(std::shared_ptr<const Passage> passage) {

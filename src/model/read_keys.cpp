@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -22,7 +23,16 @@ bool is_section(std::string_view name) {
   return section != nullptr && !section->inner();
 }
 
-// The nearest key by its full name or by its own: `erp` means `ode.erp`. Inside a list the same element is meant.
+std::string keys_of(std::string_view section) {
+  std::vector<std::string_view> names;
+  for (const KeyRow& row : key_table()) {
+    if (row.section == section) names.push_back(row.name);
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+// The nearest key by its full name or by its own: `erp` means `ode.erp`. Inside a list the same element is meant, and
+// where a table has none like it, all it has are told.
 [[noreturn]] void fail_unknown(const Draft& draft, std::string_view section, const std::string& path,
                                std::string_view key, const toml::node& node) {
   if (section.empty() && (node.is_table() || node.is_array_of_tables())) {
@@ -40,9 +50,12 @@ bool is_section(std::string_view name) {
       best = here ? joined(path, row.name) : joined(row.section, row.name);
     }
   }
-  const bool alike = least <= 1 + key.size() / 2;
-  draft.fail(joined(path, key), shown(node),
-             alike ? fmt::format("is no known key (nearest: '{}')", best) : "is no known key", Draft::Blame::parts);
+  const bool elsewhere = !section.empty() && !best.starts_with(path);
+  const bool alike = least <= (elsewhere ? 1 : 1 + key.size() / 2);
+  const std::string hint = alike             ? fmt::format(" (nearest: '{}')", best)
+                           : section.empty() ? ""
+                                             : fmt::format(" (there are {})", keys_of(section));
+  draft.fail(joined(path, key), shown(node), "is no known key" + hint, Draft::Blame::parts);
 }
 
 double number_of(const Draft& draft, const KeyRow& row, const toml::node& node, const std::string& path) {

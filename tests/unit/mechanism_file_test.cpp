@@ -405,6 +405,7 @@ void bad_drives() {
   wrong("joint = \"base\"", "joint = \"joint3\"",
         "controllers.1.motion is missing; it must be from 1 to 2, the number of a motion of joint 'joint3'");
   wrong("stiffness = 10", "stiffness = -10", "springs.0.stiffness = -10: must be a number from 0");
+  wrong("stiffness = 10", "attitude = 10", "springs.0.attitude = 10: is no known key (there are joint, ");
   wrong("stiffness = 10", "stifness = 10", "springs.0.stifness = 10: is no known key (nearest: 'springs.0.stiffness')");
   wrong("stiffness = 10\ndamping = 0.5", "damping = 0", "springs.0 does nothing: stiffness and damping are 0");
   const char* const torque = "constant = 1\namplitude = 2\nfrequency = 3\nphase = 0.5\ntimes = [0, 1]\nvalues = [0, 4]";
