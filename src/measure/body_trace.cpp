@@ -245,6 +245,18 @@ BodyState state_of(const BodyColumns& body, std::size_t row) {
   return state;
 }
 
+/// Of each joint with one motion: where it stands at t = 0, from as the file draws it.
+std::vector<double> starts_in_file(const Scenario& scenario) {
+  std::vector<double> starts(scenario.mechanism.joints.size());
+  for (std::size_t j = 0; j < starts.size(); ++j) {
+    const std::string key = "joints." + std::to_string(j) + ".q";
+    const auto said = std::ranges::find(scenario.definition, key, &Definition::value_type::first);
+    if (said == scenario.definition.end()) continue;
+    if (const double* const q = std::get_if<double>(&said->second)) starts[j] = *q;
+  }
+  return starts;
+}
+
 /// The next of a joint's rows. An angle goes on from the one before, and from there by the mean of both rates.
 void append_way(JointColumns& columns, const Column& t, Way way, bool turns) {
   if (turns && !columns.q.empty()) {
@@ -266,6 +278,7 @@ void add_joint_columns(const Scenario& scenario, Trace& trace) {
   std::vector<BodyState> bodies(trace.bodies.size());
   std::optional<WayReader> ways;
   std::vector<JointHalves> halves;
+  const std::vector<double> starts = starts_in_file(scenario);
   for (std::size_t k = 0; k < trace.rows(); ++k) {
     for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i] = state_of(trace.bodies[i], k);
     if (!ways) {
@@ -278,7 +291,7 @@ void add_joint_columns(const Scenario& scenario, Trace& trace) {
       if (!has_one_way(joint.kind)) continue;
       const Way way = ways->joint(j, bodies);
       const double sign = sign_in_files(joint);
-      append_way(trace.joints[j], trace.t, {sign * way.q + 0.0, sign * way.rate + 0.0},
+      append_way(trace.joints[j], trace.t, {sign * way.q + starts[j] + 0.0, sign * way.rate + 0.0},
                  std::holds_alternative<HingeJoint>(joint.kind));
     }
   }

@@ -112,6 +112,12 @@ void add_joint_of_tree(Section section, const JointTable& joint) {
   if (joint.kind->axes > 2) section.add("axis3", joint.axis3);
   if (joint.kind->suspended) section.add("suspension", std::vector(joint.suspension.begin(), joint.suspension.end()));
   if (!joint.name.empty()) section.add("name", joint.name);
+  const auto add = [&](const char* key, const std::vector<double>& list) {
+    if (list.size() == 1) section.add(key, list.front());
+    if (list.size() > 1) section.add(key, list);
+  };
+  add("q", joint.q);
+  add("qd", joint.qd);
   for (std::size_t k = 0; k < joint.stops.size(); ++k) {
     const auto& stop = joint.stops[k];
     if (!stop) continue;

@@ -64,10 +64,15 @@ struct JointTable {
   std::string parent;                  // names of bodies, or of the parent "world"
   std::string child;
   std::string name = {};  // empty: "joint" and its number, from 1
-  // As in a Joint, but of the child against the parent.
+  // In the order of the joint's motions, of the child against the parent; empty: the file does not say.
+  std::vector<double> q = {};   // where it starts, from as it is drawn, rad or m
+  std::vector<double> qd = {};  // how much faster than the bodies' velocities say, rad/s or m/s
+  // As in a Joint, but of the child against the parent, and from as it is drawn.
   std::array<std::optional<Motor>, 3> motors = {};  // tables motor, motor2 and motor3; the last two of several motions
   std::array<std::optional<Stop>, 3> stops = {};    // keys stops, stops2 and stops3, likewise
 };
+/// Of a motion, from 0: where it starts.
+inline double start_of(const JointTable& joint, std::size_t motion) { return joint.q.empty() ? 0 : joint.q[motion]; }
 inline constexpr std::array motor_keys{"motor", "motor2", "motor3"};
 inline constexpr std::array stop_keys{"stops", "stops2", "stops3"};
 inline constexpr std::array restitution_keys{"stop_restitution", "stop_restitution2", "stop_restitution3"};

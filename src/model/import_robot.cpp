@@ -14,6 +14,7 @@
 #include "model/mesh_box.hpp"
 #include "model/one_line.hpp"
 #include "model/robot_reader.hpp"
+#include "model/rotation_vector.hpp"
 #include "odeval/error.hpp"
 
 namespace odeval {
@@ -24,32 +25,6 @@ using Form = Robot::Solid::Form;
 
 /// A symmetric tensor, by rows.
 Rotation tensor_of(const Robot::Inertia& i) { return {i[0], i[3], i[4], i[3], i[1], i[5], i[4], i[5], i[2]}; }
-
-/// Of a rotation, its length from 0 to pi.
-Vec3 rotation_vector_of(const Rotation& r) {
-  // The quaternion, from its largest element.
-  const std::array squares{1 + r[0] + r[4] + r[8], 1 + r[0] - r[4] - r[8], 1 - r[0] + r[4] - r[8],
-                           1 - r[0] - r[4] + r[8]};
-  const auto largest = static_cast<std::size_t>(std::ranges::max_element(squares) - squares.begin());
-  const Vec3 odd{r[7] - r[5], r[2] - r[6], r[3] - r[1]};
-  std::array<double, 4> q{};
-  if (largest == 0) {
-    q = {squares[0], odd[0], odd[1], odd[2]};
-  } else {
-    const std::size_t i = largest - 1;
-    const std::size_t j = (i + 1) % 3;
-    const std::size_t k = (i + 2) % 3;
-    q[0] = odd[i];
-    q[i + 1] = squares[largest];
-    q[j + 1] = r[3 * i + j] + r[3 * j + i];
-    q[k + 1] = r[3 * i + k] + r[3 * k + i];
-  }
-  if (q[0] < 0) q = {-q[0], -q[1], -q[2], -q[3]};
-  const Vec3 part{q[1], q[2], q[3]};
-  const double sine = length(part);
-  if (sine == 0) return {};
-  return (2 * std::atan2(sine, q[0]) / sine) * part;
-}
 
 /// How a joint's halves stand against each other.
 Frame moved(const Robot::Joint& joint) {

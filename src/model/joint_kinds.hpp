@@ -23,6 +23,8 @@ struct JointWord {
   JointKind (*make)(const JointTable&);
   Carries parent = Carries::anything;
   bool suspended = false;  // whether it has a suspension
+  /// Its motions in the order of lists, where it has several.
+  std::string_view order = {};
 };
 
 /// The one table of them.
@@ -42,30 +44,34 @@ inline constexpr std::array joint_words{
                 // put_bodies.cpp.
                 return table.parent == world_name ? JointKind(UniversalJoint{table.anchor_m, table.axis2, table.axis})
                                                   : JointKind(UniversalJoint{table.anchor_m, table.axis, table.axis2});
-              }},
+              },
+              Carries::anything, false, "axis, axis2"},
     JointWord{"fixed", 0, false, 0, 0, [](const JointTable& table) { return JointKind(FixedJoint{table.anchor_m}); }},
     JointWord{"piston", 1, false, 2, 2,
               [](const JointTable& table) {
                 return JointKind(PistonJoint{table.anchor_m, table.axis});
-              }},
+              },
+              Carries::anything, false, "the way, the turn"},
     JointWord{"pr", 2, false, 2, 2,
               [](const JointTable& table) {
                 return JointKind(SlidingHingeJoint{table.anchor_m, table.axis, table.axis2});
-              }},
+              },
+              Carries::anything, false, "axis, axis2"},
     JointWord{"pu", 3, false, 3, 3,
               [](const JointTable& table) {
                 const bool on_world = table.parent == world_name;  // as of a universal joint
                 return JointKind(SlidingUniversalJoint{table.anchor_m, table.axis, on_world ? table.axis3 : table.axis2,
                                                        on_world ? table.axis2 : table.axis3});
-              }},
+              },
+              Carries::anything, false, "axis, axis2, axis3"},
     JointWord{"hinge2", 2, false, 2, 1,
               [](const JointTable& table) {
                 return JointKind(
                     Hinge2Joint{table.anchor_m, table.axis, table.axis2, table.suspension[0], table.suspension[1]});
               },
-              Carries::a_body, true},
+              Carries::a_body, true, "axis, axis2"},
     JointWord{"plane2d", 0, false, 3, 0, [](const JointTable& table) { return JointKind(PlaneJoint{table.anchor_m}); },
-              Carries::the_world},
+              Carries::the_world, false, "x, y, the turn"},
 };
 
 }  // namespace odeval

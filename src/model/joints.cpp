@@ -11,6 +11,7 @@
 #include "model/inertia.hpp"
 #include "model/joint_kinds.hpp"
 #include "model/nearest.hpp"
+#include "model/start_pose.hpp"
 
 namespace odeval {
 namespace {
@@ -179,6 +180,29 @@ bool turns(const JointTable& joint, std::size_t motion) {
   return several.empty() ? std::holds_alternative<HingeJoint>(kind) : !several[motion].slides;
 }
 
+/// Where it starts and how fast: a number for each of its motions.
+void check_start_of(const Draft& draft, std::size_t number) {
+  const JointTable& joint = draft.said.joints[number];
+  const toml::table& table = *draft.tree["joints"][number].as_table();
+  const std::size_t motions = joint.kind->motions;
+  for (const auto& [key, list, instead] : {std::tuple{"q", &joint.q, "turn"}, std::tuple{"qd", &joint.qd, "spin"}}) {
+    const toml::node* const node = table.get(key);
+    if (node == nullptr) continue;
+    const auto fail = [&](const std::string& rule) {
+      draft.fail(path_of("joints", number, key), odeval::shown(*node), rule, Draft::Blame::parts);
+    };
+    if (motions == 0) {
+      fail(joint.kind->axes == 0 && freedom_of(joint.kind->make(joint)).turns.empty()
+               ? fmt::format("has no meaning for kind {}, which leaves nothing that moves; remove it", joint.kind->word)
+               : fmt::format("has no meaning for kind {}, whose turns have no order; give bodies.{} '{}' another {}",
+                             joint.kind->word, draft.said.body_named(joint.child).value(), joint.child, instead));
+    }
+    if (motions == 1 && list->size() != 1) fail(fmt::format("must be one number for kind {}", joint.kind->word));
+    if (list->size() == motions && (motions == 1 || !node->is_number())) continue;
+    fail(fmt::format("must be a list of {} numbers for kind {}: {}", motions, joint.kind->word, joint.kind->order));
+  }
+}
+
 /// Of one motion, which starts between its ends.
 void check_stop(const Draft& draft, std::size_t number, std::size_t k) {
   const JointTable& joint = draft.said.joints[number];
@@ -197,13 +221,16 @@ void check_stop(const Draft& draft, std::size_t number, std::size_t k) {
     draft.fail(path, "", fmt::format("is missing, or {} is to be removed", restitution_keys[k]));
   }
   const std::string said = fmt::format("[{}, {}]", low, high);
-  if (!(low <= 0 && high >= 0 && low < high)) {
-    draft.fail(path, said, "must be a low and a high end with 0, where the joint starts, between them");
+  const double start = start_of(joint, k);
+  if (!(low <= start && high >= start && low < high)) {
+    draft.fail(path, said,
+               fmt::format("must be a low and a high end with {}, where the joint starts, between them", start));
   }
   const double half_turn = std::numbers::pi;  // beyond, ODE counts an angle from the other side
-  if (turns(joint, k) && !(low > -half_turn && high < half_turn)) {
+  if (turns(joint, k) && !(low - start > -half_turn && high - start < half_turn)) {
     draft.fail(path, said,
-               fmt::format("must lie within half a turn of a {}, between -3.14159 and 3.14159 rad", joint.kind->word));
+               fmt::format("must lie within half a turn of a {}, between {:.6g} and {:.6g} rad", joint.kind->word,
+                           start - half_turn, start + half_turn));
   }
 }
 
@@ -279,6 +306,22 @@ void check_loads(const Draft& draft, const char* list, const std::vector<LoadTab
   }
 }
 
+/// What a joint moves must hang on it alone.
+void check_loops(const Draft& draft) {
+  if (!moves_at_start(draft.said)) return;
+  const std::optional<std::size_t> closing = closes_a_loop(draft.said);
+  if (!closing) return;
+  for (std::size_t i = 0; i < draft.said.joints.size(); ++i) {
+    for (const char* key : {"q", "qd"}) {
+      if (!draft.tree["joints"][i].as_table()->contains(key)) continue;
+      draft.fail(path_of("joints", i, key), "",
+                 fmt::format("has no meaning where joints close a loop, as joint '{}' does; draw the start itself",
+                             draft.said.joints[*closing].name),
+                 Draft::Blame::parts);
+    }
+  }
+}
+
 /// Whether a body hangs on the world by nothing.
 bool something_flies(const Mechanism& mechanism) {
   std::vector<bool> hangs(mechanism.bodies.size());
@@ -296,6 +339,7 @@ bool something_flies(const Mechanism& mechanism) {
 
 /// Something can move, and moves at first as the joints let it.
 void check_start(const Draft& draft) {
+  check_loops(draft);
   Scenario made;
   put_bodies(made, draft.said);
   const Mechanism& mechanism = made.mechanism;
@@ -333,6 +377,7 @@ void settle_joints(Draft& draft) {
     check_parent(draft, i);
     check_suspension(draft, i);
     settle_axes(draft, i);
+    check_start_of(draft, i);
     check_drive(draft, i);
   }
   check_loads(draft, "springs", draft.said.springs);

@@ -4,6 +4,7 @@
 
 #include "model/generate.hpp"
 #include "model/joint_kinds.hpp"
+#include "model/start_pose.hpp"
 
 namespace odeval {
 namespace {
@@ -151,18 +152,27 @@ std::vector<Load> loads_of(const std::string& joint, std::size_t motion, const s
   return loads;
 }
 
+/// What counts from where a joint is drawn, counted from where it starts.
+Joint from_start(Joint joint, double q) {
+  if (joint.stop) *joint.stop = {joint.stop->low - q, joint.stop->high - q, joint.stop->restitution};
+  for (JointSpring& spring : joint.springs) spring.rest -= q;
+  for (Controller& controller : joint.controllers) controller.target.constant -= q;
+  return joint;
+}
+
 /// A joint that only this motion is told of.
 Joint told_of(const Description& said, const JointTable& table, std::size_t motion) {
   const std::size_t k = motion == 0 ? 0 : motion - 1;
-  return {.kind = table.kind->make(table),
-          .first = 0,
-          .second = {},
-          .motor = table.motors[k],
-          .stop = table.stops[k],
-          .springs = loads_of(table.name, motion, said.springs),
-          .torques = loads_of(table.name, motion, said.torques),
-          .controllers = loads_of(table.name, motion, said.controllers),
-          .name = table.name};
+  const Joint drawn{.kind = table.kind->make(table),
+                    .first = 0,
+                    .second = {},
+                    .motor = table.motors[k],
+                    .stop = table.stops[k],
+                    .springs = loads_of(table.name, motion, said.springs),
+                    .torques = loads_of(table.name, motion, said.torques),
+                    .controllers = loads_of(table.name, motion, said.controllers),
+                    .name = table.name};
+  return from_start(drawn, start_of(table, k));
 }
 
 /// Of a kind with several motions, told the other way round where the parent is a body. The axes of a universal joint
@@ -262,6 +272,7 @@ void put_bodies(Scenario& scenario, const Description& description) {
     scenario.mechanism.struts.push_back(strut_of(description, table));
   }
   if (description.ground) put_ground(scenario, *description.ground, description.problem->friction);
+  if (moves_at_start(description)) move_to_start(scenario.mechanism, description);
 }
 
 }  // namespace odeval

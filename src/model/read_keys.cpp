@@ -68,7 +68,7 @@ double number_of(const Draft& draft, const KeyRow& row, const toml::node& node, 
     if (inside) return number;
   }
   KeyRow one = row;
-  if (one.kind == KeyKind::numbers) one.kind = KeyKind::number;
+  if (one.kind == KeyKind::numbers || one.kind == KeyKind::several) one.kind = KeyKind::number;
   draft.fail(path, shown(node), rule_of(one, draft.names));
 }
 
@@ -95,6 +95,8 @@ KeyValue value_of(const Draft& draft, const KeyRow& row, const toml::node& node,
   KeyValue value;
   if (row.kind == KeyKind::number || row.kind == KeyKind::whole) {
     value.number = number_of(draft, row, node, path);
+  } else if (row.kind == KeyKind::several && node.is_number()) {
+    value.numbers = {number_of(draft, row, node, path)};
   } else if (row.kind == KeyKind::word) {
     value.word = word_of(draft, row, node, path);
   } else if (row.kind == KeyKind::name) {
@@ -108,7 +110,7 @@ KeyValue value_of(const Draft& draft, const KeyRow& row, const toml::node& node,
       const std::string element = fmt::format("{}.{}", path, i);
       if (row.kind == KeyKind::names) {
         value.words.push_back(name_of(draft, row, (*list)[i], element));
-      } else if (row.kind == KeyKind::numbers) {
+      } else if (row.kind == KeyKind::numbers || row.kind == KeyKind::several) {
         value.numbers.push_back(number_of(draft, row, (*list)[i], element));
       } else {
         value.words.push_back(word_of(draft, row, (*list)[i], element));

@@ -77,6 +77,7 @@ using V = KeyValue;
 constexpr auto number = KeyKind::number;
 constexpr auto whole = KeyKind::whole;
 constexpr auto numbers = KeyKind::numbers;
+constexpr auto several = KeyKind::several;
 constexpr auto word = KeyKind::word;
 constexpr auto words = KeyKind::words;
 constexpr auto label = KeyKind::name;
@@ -135,7 +136,7 @@ constexpr KeyRow rows[] = {
       [](D& d, S&, const V& v) { d.bodies.back().mass_kg = v.number; }},
   {"bodies", "size",     numbers, "m",     1e-4, 1e3,  false, nullptr, "has to be said, but for shape none", "sides of the box around it, along the body's own axes; of a sphere the diameter, three times",
       [](D& d, S&, const V& v) { d.bodies.back().size_m = vector(v); }, 3},
-  {"bodies", "position", numbers, "m",     -1e4, 1e4,  false, nullptr, "0", "of the centre at t = 0, from where [joint] displaces the first body; this and the next three along the ground where there is one: downhill, across, away",
+  {"bodies", "position", numbers, "m",     -1e4, 1e4,  false, nullptr, "0", "of the centre at t = 0, or as drawn where a joint has a q, from where [joint] displaces the first body; this and the next three along the ground where there is one: downhill, across, away",
       [](D& d, S&, const V& v) { d.bodies.back().position_m = vector(v); }, 3},
   {"bodies", "turn",     numbers, "rad",   -1e3, 1e3,  false, nullptr, "0", "rotation vector that turns the world's axes into the body's at t = 0",
       [](D& d, S&, const V& v) { d.bodies.back().turn_rad = vector(v); }, 3},
@@ -170,9 +171,9 @@ constexpr KeyRow rows[] = {
       [](D& d, S&, const V& v) { d.joints.back().parent = v.word; }},
   {"joints", "child",    label,   "",      0, 0,       false, nullptr, "", "name of the body that is carried",
       [](D& d, S&, const V& v) { d.joints.back().child = v.word; }},
-  {"joints", "anchor",   numbers, "m",     -1e4, 1e4,  false, nullptr, "0", "where the joint is at t = 0",
+  {"joints", "anchor",   numbers, "m",     -1e4, 1e4,  false, nullptr, "0", "where the joint is as it is drawn",
       [](D& d, S&, const V& v) { d.joints.back().anchor_m = vector(v); }, 3},
-  {"joints", "axis",     numbers, "",      -1e3, 1e3,  false, nullptr, "[0, 1, 0]", "of a hinge, a slider, a piston or, fixed in the parent, a universal joint; of pr, pu and hinge2 the way; in the world at t = 0",
+  {"joints", "axis",     numbers, "",      -1e3, 1e3,  false, nullptr, "[0, 1, 0]", "of a hinge, a slider, a piston or, fixed in the parent, a universal joint; of pr, pu and hinge2 the way; in the world as it is drawn",
       [](D& d, S&, const V& v) { d.joints.back().axis = vector(v); }, 3},
   {"joints", "axis2",    numbers, "",      -1e3, 1e3,  false, nullptr, "[1, 0, 0]", "of a universal joint or a hinge2, fixed in the child, at right angles to the other; of pr the turn; of pu the turn in the parent; likewise",
       [](D& d, S&, const V& v) { d.joints.back().axis2 = vector(v); }, 3},
@@ -183,7 +184,11 @@ constexpr KeyRow rows[] = {
 
   {"joints", "name",     label,   "",      0, 0,       false, nullptr, "joint and its number", "by which [[springs]], [[torques]] and [[controllers]] know it",
       [](D& d, S&, const V& v) { d.joints.back().name = v.word; }},
-  {"joints", "stops",    numbers, "rad or m", -1e4, 1e4, false, nullptr, "none", "ends of the way of a hinge or a slider, the child against the parent, from where it stands at t = 0, or of the motion of a joint with several that `motor` drives; those of a turn within half a turn",
+  {"joints", "q",        several, "rad or m", -1e4, 1e4, false, nullptr, "0", "where it starts, the child against the parent, from as it is drawn: it moves the child and all that hangs on it; of a joint with several motions all of them, in the order of their motors",
+      [](D& d, S&, const V& v) { d.joints.back().q = v.numbers; }},
+  {"joints", "qd",       several, "rad/s or m/s", -1e3, 1e3, false, nullptr, "0", "likewise its rate, which is added to what the bodies' velocities say",
+      [](D& d, S&, const V& v) { d.joints.back().qd = v.numbers; }},
+  {"joints", "stops",    numbers, "rad or m", -1e4, 1e4, false, nullptr, "none", "ends of the way of a hinge or a slider, the child against the parent, from as it is drawn, or of the motion of a joint with several that `motor` drives; those of a turn within half a turn",
       [](D& d, S&, const V& v) { put_stops(d, 0, v); }, 2},
   {"joints", "stop_restitution", number, "", 0, 1,     false, nullptr, "0", "speed after striking a stop over speed before",
       [](D& d, S&, const V& v) { stop_of(d, 0).restitution = v.number; }},
@@ -276,7 +281,7 @@ constexpr KeyRow rows[] = {
       [](D& d, S&, const V& v) { d.struts.back().parent = v.word; }},
   {"struts", "child",     label,   "",      0, 0,      false, nullptr, "", "name of the body at the other end",
       [](D& d, S&, const V& v) { d.struts.back().child = v.word; }},
-  {"struts", "from",      numbers, "m",     -1e4, 1e4, false, nullptr, "", "end in the parent, in the world at t = 0",
+  {"struts", "from",      numbers, "m",     -1e4, 1e4, false, nullptr, "", "end in the parent, in the world as it is drawn",
       [](D& d, S&, const V& v) { d.struts.back().from_m = vector(v); }, 3},
   {"struts", "to",        numbers, "m",     -1e4, 1e4, false, nullptr, "", "end in the child, likewise",
       [](D& d, S&, const V& v) { d.struts.back().to_m = vector(v); }, 3},
@@ -284,7 +289,7 @@ constexpr KeyRow rows[] = {
       [](D& d, S&, const V& v) { d.struts.back().stiffness = v.number; }},
   {"struts", "damping",   number,  "N s/m", 0, 1e12,   false, nullptr, "0", "of the damper beside it",
       [](D& d, S&, const V& v) { d.struts.back().damping = v.number; }},
-  {"struts", "rest",      number,  "m",     0, 1e4,    false, nullptr, "as long as it is at t = 0", "length at which it is relaxed",
+  {"struts", "rest",      number,  "m",     0, 1e4,    false, nullptr, "as long as it is drawn", "length at which it is relaxed",
       [](D& d, S&, const V& v) { d.struts.back().rest_m = v.number; }},
 
   {"ground", "slope",       number, "rad", -1.5, 1.5, false, nullptr, "0", "how steeply the ground falls towards +x",
@@ -404,6 +409,8 @@ std::string rule_of(const KeyRow& row, const Names& names) {
     case KeyKind::numbers:
       return fmt::format("must be a list of {}numbers {}{}", row.count == 0 ? "" : fmt::format("{} ", row.count), range,
                          unit);
+    case KeyKind::several:
+      return fmt::format("must be a number or a list of numbers {}{}", range, unit);
     case KeyKind::names:
       return fmt::format("must be a list of {} names", row.count);
     case KeyKind::name:

@@ -23,7 +23,16 @@ struct KeyValue {
   std::vector<std::string> words;
 };
 
-enum class KeyKind { number, whole, numbers, word, words, name, names };
+enum class KeyKind {
+  number,
+  whole,
+  numbers,
+  several,  // a number, or a list of them
+  word,
+  words,
+  name,
+  names,
+};
 
 struct KeyRow {
   std::string_view section;  // "" for the top of the file, or the name of a table
