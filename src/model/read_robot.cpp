@@ -52,6 +52,8 @@ constexpr std::string_view urdf_elements[]{"robot",
 constexpr std::string_view sdformat_elements[]{"sdf",
                                                "sdf/model",
                                                "sdf/gravity",
+                                               "sdf/frame",
+                                               "sdf/frame/pose",
                                                "sdf/model/static",
                                                "sdf/model/pose",
                                                "sdf/model/frame",
@@ -103,8 +105,7 @@ constexpr std::string_view sdformat_elements[]{"sdf",
                                                "sdf/model/joint/axis/dynamics/friction",
                                                "sdf/model/joint/axis/dynamics/spring_reference",
                                                "sdf/model/joint/axis/dynamics/spring_stiffness",
-                                               "sdf/model/joint/axis2",
-                                               "sdf/model/joint/axis2/xyz",
+                                               "sdf/model/joint/axis/use_parent_model_frame",
                                                "sdf/physics",
                                                "sdf/physics/max_step_size",
                                                "sdf/physics/ode",
@@ -135,11 +136,13 @@ constexpr std::array formats{Format{"URDF",
                                     "sdf",
                                     sdformat_elements}};
 
-/// Models stand in a world or alone, and in one another.
+/// Models stand in a world or alone, and in one another; a joint's second axis is told as its first.
 std::string plain_path(std::string path) {
   if (path == "sdf/world") return "sdf";
   if (path.starts_with("sdf/world/")) path.erase(4, 6);
   for (std::size_t at; (at = path.find("/model/model")) != std::string::npos;) path.erase(at, 6);
+  constexpr std::string_view second = "/axis2";
+  if (const std::size_t at = path.find(second); at != std::string::npos) path.erase(at + second.size() - 1, 1);
   return path;
 }
 

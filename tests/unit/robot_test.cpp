@@ -81,6 +81,34 @@ const std::string world = R"(<sdf version="1.7"><world name="yard">
         <spring_reference>0.1</spring_reference><spring_stiffness>4</spring_stiffness></dynamics></axis2></joint>
   </model></world></sdf>)";
 
+/// Everything stands in a frame of its own: of the world, of a link, of a model in the model, on a collision as well.
+const std::string frames = R"(<sdf version="1.9"><world name="w">
+  <frame name="table"><pose>1 2 0.5 0 0 1.5707963267948966</pose></frame>
+  <model name="m"><pose relative_to="table">0 0 1 0 0 0</pose>
+    <frame name="mount" attached_to="base"><pose relative_to="base">0 0 0.5 1.5707963267948966 0 0</pose></frame>
+    <link name="base"><pose>0.1 0 0 0 0 0.7853981633974483</pose><inertial><mass>1</mass></inertial></link>
+    <link name="arm"><pose relative_to="mount">0.2 0 0 0 0 0</pose><inertial><pose>0 0.1 0 0 0 0</pose><mass>2</mass>
+      <inertia><ixx>0.1</ixx><iyy>0.2</iyy><izz>0.25</izz></inertia></inertial>
+      <collision name="c"><pose relative_to="base">0 0 1 0 0 0</pose>
+        <geometry><box><size>0.1 0.2 0.3</size></box></geometry></collision></link>
+    <model name="inner"><pose relative_to="arm">0.3 0 0 0 0 0</pose>
+      <link name="tip"><pose>0 0 0.1 0 0 0</pose><inertial><mass>0.5</mass></inertial></link></model>
+    <joint name="foot" type="fixed"><parent>world</parent><child>base</child></joint>
+    <joint name="hip" type="revolute"><pose relative_to="mount">0 0 0.1 0 0 0</pose><parent>mount</parent>
+      <child>arm</child><axis><xyz expressed_in="base">0 0 1</xyz></axis></joint>
+    <joint name="rail" type="prismatic"><parent>arm</parent><child>inner::tip</child>
+      <axis><xyz expressed_in="__model__">1 0 0</xyz></axis></joint>
+  </model></world></sdf>)";
+
+/// Alone, and placed by a link that is not its first; with the elder word for an axis along the model's axes.
+const std::string placed = R"(<sdf version="1.6"><model name="m" placement_frame="hand">
+  <pose>0 0 1 0 1.5707963267948966 0</pose>
+  <link name="base"><inertial><mass>1</mass></inertial></link>
+  <link name="hand"><pose>0.5 0 0 0 0 0.3</pose><inertial><inertia><ixx>0.1</ixx><iyy>0.1</iyy><izz>0.1</izz></inertia></inertial></link>
+  <joint name="wrist" type="revolute"><parent>base</parent><child>hand</child>
+    <axis><xyz>0 1 0</xyz><use_parent_model_frame>true</use_parent_model_frame></axis></joint>
+</model></sdf>)";
+
 const Names names{{"ode-step-double", "ode-quickstep-double"}, {}};
 
 bool reads(const char* format) {
@@ -169,18 +197,18 @@ void an_arm_is_what_its_file_says() {
   CHECK_EQUAL(scenario.mechanism.bodies[*elbow.second].name, "fore");
   CHECK_EQUAL(scenario.mechanism.bodies[elbow.first].name, "upper");
 
-  std::map<std::string, std::size_t> told;
-  for (const Robot::Remark& remark : imported.robot.remarks) told[remark.what] += remark.of.size();
-  CHECK_EQUAL(told["effort limits"], 1u);
-  CHECK_EQUAL(told["fixed joints"], 2u);
-  CHECK_EQUAL(told["start"], 1u);
-  CHECK_EQUAL(told["mass"], 1u);
-  CHECK_EQUAL(told["collision shapes"], 3u);  // of upper and bracket, and left out of base, which stands
+  std::map<std::string, std::size_t> names_of;
+  for (const Robot::Remark& remark : imported.robot.remarks) names_of[remark.what] += remark.of.size();
+  CHECK_EQUAL(names_of["effort limits"], 1u);
+  CHECK_EQUAL(names_of["fixed joints"], 2u);
+  CHECK_EQUAL(names_of["start"], 1u);
+  CHECK_EQUAL(names_of["mass"], 1u);
+  CHECK_EQUAL(names_of["collision shapes"], 3u);  // of upper and bracket, and left out of base, which stands
   const auto left_out = std::ranges::find_if(imported.robot.remarks, [](const Robot::Remark& remark) {
     return remark.what == "collision shapes" && remark.rule == "not taken: the link stands in the world";
   });
   CHECK(left_out != imported.robot.remarks.end() && left_out->of == std::vector<std::string>{"base"});
-  CHECK(told.contains("<link/visual>"));
+  CHECK(names_of.contains("<link/visual>"));
 }
 
 /// Told of the hull against the cross; limits that 0 is outside of are left out.
@@ -201,6 +229,8 @@ void check_gimbal(const Imported& imported, const Joint& gimbal) {
   const auto left_out =
       std::ranges::find_if(imported.robot.remarks, [](const Robot::Remark& remark) { return remark.what == "limits"; });
   CHECK(left_out != imported.robot.remarks.end() && left_out->of == std::vector<std::string>{"thing::gimbal"});
+  // What is taken is not told to be left out.
+  for (const Robot::Remark& remark : imported.robot.remarks) CHECK(!remark.what.starts_with("<model/joint/axis"));
 }
 
 void a_world_is_what_its_file_says() {
@@ -232,6 +262,53 @@ void a_world_is_what_its_file_says() {
   check_near(hull.parts()[0].place.position_m, {-0.1, 0, 0}, 1e-15);
   CHECK_EQUAL(std::get<Sphere>(hull.parts()[1].shape).diameter_m, 0.2);
   check_near(hull.parts()[1].place.position_m, {0.1, 0, 0}, 1e-15);
+}
+
+std::size_t told(const Imported& imported, const std::string& what) {
+  std::size_t count = 0;
+  for (const Robot::Remark& remark : imported.robot.remarks) count += remark.what == what ? 1 : 0;
+  return count;
+}
+
+/// By hand. The table is turned by 90 degrees about z, base by 45 more, mount by 90 about the x that it then has, so
+/// that its y points up; arm stands 0.2 along mount's x, and its centre 0.1 along its y.
+void frames_are_followed() {
+  const Imported imported = import_robot("frames.sdf", read_robot("frames.sdf", frames), {});
+  const Scenario scenario = scenario_of(imported, "frames.sdf");
+  constexpr double rounding = 4e-15;  // of some ten products of numbers up to 3
+  const double r = std::sqrt(0.5);
+  const Vec3 x{-r, r, 0};  // of mount, arm and tip
+  const Vec3 z{r, r, 0};
+  const Vec3 arm_at = Vec3{1, 2.1, 2} + 0.2 * x;
+  const Body& hung = body(scenario, "arm");
+  check_near(hung.position_m, arm_at + Vec3{0, 0, 0.1}, rounding);
+  const Rotation turned_by = rotation_of_vector(rotation_vector(hung.attitude));
+  check_near(axis_of(turned_by, 0), x, rounding);
+  check_near(axis_of(turned_by, 1), {0, 0, 1}, rounding);
+  check_near(turned(turned_by, hung.parts().at(0).place.position_m), Vec3{1, 2.1, 2.5} - hung.position_m, rounding);
+  check_near(body(scenario, "inner__tip").position_m, arm_at + 0.3 * x + 0.1 * z, rounding);
+  const auto& hip = std::get<HingeJoint>(joint(scenario, "hip").kind);
+  check_near(hip.anchor_m, Vec3{1, 2.1, 2} + 0.1 * z, rounding);
+  check_near(hip.axis, {0, 0, 1}, rounding);
+  check_near(std::get<SliderJoint>(joint(scenario, "rail").kind).axis, {0, 1, 0}, rounding);
+  CHECK_EQUAL(told(imported, "<frame>"), 0u);
+  CHECK_EQUAL(told(imported, "links without <inertia>"), 1u);
+}
+
+void a_model_stands_by_its_placement_frame() {
+  const Imported imported = import_robot("placed.sdf", read_robot("placed.sdf", placed), {});
+  const Scenario scenario = scenario_of(imported, "placed.sdf");
+  constexpr double rounding = 4e-15;  // as above
+  const Body& hand = body(scenario, "hand");
+  check_near(hand.position_m, {0, 0, 1}, rounding);
+  check_near(axis_of(rotation_of_vector(rotation_vector(hand.attitude)), 0), {0, 0, -1}, rounding);
+  // The model stands turned by -0.3 about the hand's z, which is the world's x.
+  const double c = std::cos(0.3), s = std::sin(0.3);
+  check_near(body(scenario, "base").position_m, {0, 0.5 * s, 1 + 0.5 * c}, rounding);
+  check_near(std::get<HingeJoint>(joint(scenario, "wrist").kind).axis, {0, c, -s}, rounding);
+  CHECK_EQUAL(told(imported, "<model/joint/axis/use_parent_model_frame>"), 0u);
+  CHECK_EQUAL(told(imported, "links without <inertia>"), 1u);
+  CHECK_EQUAL(told(imported, "links without <mass>"), 1u);
 }
 
 /// Rounding of sums over a few bodies: 3e-14 measured. Of the mistakes below the least shows as 1e-6.
@@ -427,6 +504,8 @@ int main() {
   }
   if (sdformat) {
     a_world_is_what_its_file_says();
+    frames_are_followed();
+    a_model_stands_by_its_placement_frame();
     a_right_import_is_proved("world.sdf", world);
     a_mistake_of_the_importer_is_caught("world.sdf", world);
   }

@@ -90,7 +90,7 @@ class Reading {
       read_world(*root.WorldByIndex(0));
     } else if (root.Model() != nullptr) {
       robot_.name = root.Model()->Name();
-      add_model(*root.Model(), frame_of(root.Model()->RawPose()), "", root.Model()->Static());
+      add_model(*root.Model(), pose_of(*root.Model(), ""), "", root.Model()->Static());
     } else {
       fail("world or model: is missing; one is wanted");
     }
@@ -175,8 +175,7 @@ class Reading {
   Robot::Link link_of(const sdf::Link& link, const std::string& prefix, bool fixed) {
     Robot::Link made{.name = prefix + link.Name()};
     const bool weighed = link.Element() && link.Element()->HasElement("inertial");
-    if (!weighed && !fixed)
-      robot_.remark("links without <inertial>", "1 kg and 1 kg m², as SDFormat has it", made.name);
+    if (!fixed) remark_defaults(link, made.name);
     add_solids(made, link);
     if (!weighed && fixed) return made;
     const auto& inertial = link.Inertial();
@@ -187,6 +186,16 @@ class Reading {
                             frame_of(inertial.Pose()),
                             {diagonal[0], diagonal[1], diagonal[2], products[0], products[1], products[2]}};
     return made;
+  }
+
+  void remark_defaults(const sdf::Link& link, const std::string& name) {
+    if (!link.Element() || !link.Element()->HasElement("inertial")) {
+      robot_.remark("links without <inertial>", "1 kg and 1 kg m², as SDFormat has it", name);
+      return;
+    }
+    const sdf::ElementPtr inertial = link.Element()->GetElement("inertial");
+    if (!inertial->HasElement("mass")) robot_.remark("links without <mass>", "1 kg, as SDFormat has it", name);
+    if (!inertial->HasElement("inertia")) robot_.remark("links without <inertia>", "1 kg m², as SDFormat has it", name);
   }
 
   void add_solids(Robot::Link& made, const sdf::Link& link) const {
