@@ -47,13 +47,17 @@ Scenario with_enough_rows(Scenario scenario, long intervals) {
 GridRuns::GridRuns(const ScenarioFile& file, std::vector<Override> settings, Names names, sweep::Grid grid)
     : file_(file), settings_(std::move(settings)), names_(std::move(names)), grid_(std::move(grid)) {}
 
-Scenario GridRuns::scenario(long run) const {
+std::vector<Override> GridRuns::settings(long run) const {
   std::vector<Override> settings = settings_;
   const std::vector<std::size_t> places = grid_.places(run);
   for (std::size_t i = 0; i + 1 < places.size(); ++i) {
     settings.push_back({grid_.axes()[i].key, grid_.axes()[i].values[places[i]], "--grid"});
   }
-  Scenario scenario = file_.read(settings, names_);
+  return settings;
+}
+
+Scenario GridRuns::scenario(long run) const {
+  Scenario scenario = file_.read(settings(run), names_);
   scenario.tolerances.clear();
   return scenario.sample_s ? scenario : with_enough_rows(std::move(scenario));
 }
@@ -78,7 +82,11 @@ std::vector<std::uint32_t> GridRuns::groups(const std::function<void(long run)>&
     if (checked) checked(run);
     const Scenario point = scenario(run);
     for (const std::string& name : grid_.axes().back().values) {
-      require_does(find_method(name), point, "--method");
+      try {
+        require_does(find_method(name), point, "--method");
+      } catch (const UserError& error) {
+        throw UserError(blamed(error.what(), settings(run)));
+      }
     }
     const SampleGrid times = sample_grid(point);
     std::vector<std::size_t> key = places;

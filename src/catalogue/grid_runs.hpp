@@ -25,6 +25,9 @@ class GridRuns {
 
   const sweep::Grid& grid() const { return grid_; }
 
+  /// Of a run: the given ones and the grid's.
+  std::vector<Override> settings(long run) const;
+
   /// As the run has it, with a `sample` of at most `enough_rows` intervals. Throws UserError.
   Scenario scenario(long run) const;
 

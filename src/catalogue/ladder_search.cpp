@@ -64,7 +64,24 @@ Ladder LadderSearch::make_ladder() const {
   return ladder;
 }
 
+std::string settings_name(const std::vector<Change>& changes) {
+  std::vector<std::string> words;
+  for (const Change& change : changes) words.push_back(change.key + "=" + change.value);
+  std::ranges::sort(words);
+  std::string name;
+  for (const std::string& word : words) name += (name.empty() ? "" : " ") + word;
+  return name.empty() ? "the scenario's own" : name;
+}
+
 Tried LadderSearch::run(const std::vector<Change>& changes, double setting, bool every_step) {
+  const std::tuple key{settings_name(changes), setting, every_step || hits_};
+  if (const auto before = known_.find(key); before != known_.end()) return before->second;
+  Tried trial = done(changes, setting, every_step);
+  known_.emplace(key, trial);
+  return trial;
+}
+
+Tried LadderSearch::done(const std::vector<Change>& changes, double setting, bool every_step) {
   Tried trial;
   trial.setting = setting;
   trial.reached.resize(budget_.targets.size());
@@ -72,6 +89,7 @@ Tried LadderSearch::run(const std::vector<Change>& changes, double setting, bool
     Scenario scenario = search_.scenario(method_, changes, setting);
     const long steps = sample_grid(scenario).steps();
     steps_left_ -= steps;
+    steps_taken_ += steps;
     if (!every_step && !hits_) scenario = with_enough_rows(std::move(scenario), rows_of_a_trial);
     Evaluator evaluator(scenario, search_.reference_for(scenario));
     const Evaluation done = evaluator.evaluate(method_);
@@ -131,6 +149,7 @@ std::optional<Nearby> LadderSearch::steady(const std::vector<Change>& changes, d
     const double share = trial.impacts ? share_where_it_hits : 1;
     if (!keeps(trial, share)) return Near{false, trial.impacts};
     ++nearby.tried;
+    steadiest_ = std::max(steadiest_, nearby.tried);
     nearby.share = std::min(nearby.share, share);
     for (std::size_t i = 0; i < nearby.worst.size(); ++i) {
       nearby.worst[i] = std::max(nearby.worst[i], std::fabs(*trial.reached[i].value));
@@ -151,14 +170,15 @@ Best LadderSearch::bisect(const std::vector<Change>& changes, long coarse, std::
       coarse = static_cast<long>(middle);
     }
   }
-  Best best{changes, fine, {}, false, "some steps keep it, others nearby do not"};
+  Best best{changes, fine, {}, false, false, "some steps keep it, others nearby do not"};
   for (std::size_t place = fine; place < std::min(end, fine + most_unsteady); ++place) {
     best.place = place;
     const double setting = ladder_.settings[place];
     if (knob_ != Knob::none) {
       std::optional<Nearby> nearby = steady(changes, setting);
       if (!nearby) {
-        if (steps_left_ < 0) break;
+        best.cut = steps_left_ < 0;
+        if (best.cut) break;
         continue;
       }
       best.nearby = std::move(*nearby);
@@ -174,7 +194,7 @@ Best LadderSearch::bisect(const std::vector<Change>& changes, long coarse, std::
 }
 
 Best LadderSearch::climb(const std::vector<Change>& changes, std::size_t end) {
-  Best nearest{changes, 0, {}, false, ""};
+  Best nearest{changes, 0, {}, false, false, ""};
   double least = infinity;
   int stalled = 0;
   long coarse = -1;
@@ -191,7 +211,7 @@ Best LadderSearch::climb(const std::vector<Change>& changes, std::size_t end) {
     } else {
       const double now = excess(trial);
       stalled = now < least || least > far ? 0 : stalled + 1;
-      if (now < least || place == 0) nearest = {changes, place, trial, false, ""};
+      if (now < least || place == 0) nearest = {changes, place, trial, false, false, ""};
       least = std::min(least, now);
       if (stalled == most_stalled) break;
     }
@@ -202,8 +222,10 @@ Best LadderSearch::climb(const std::vector<Change>& changes, std::size_t end) {
     } else {
       place = std::max(next, place + 1);
     }
-    if (steps_left_ < 0) break;
+    nearest.cut = nearest.cut || (steps_left_ < 0 && place < end);
+    if (nearest.cut) break;
   }
+  if (nearest.cut) nearest.why_not = "the search spent its steps";
   if (nearest.why_not.empty()) nearest.why_not = why_none(nearest.trial, stalled == most_stalled);
   nearest.most_steps = most_steps;
   return nearest;
@@ -224,7 +246,7 @@ std::string LadderSearch::why_none(const Tried& nearest, bool stalled) const {
 }
 
 Best LadderSearch::descend(const std::vector<Change>& changes, std::size_t end) {
-  if (end == 0 || !keeps(coarsest_near(changes, end - 1))) return {changes, 0, {}, false, ""};
+  if (end == 0 || !keeps(coarsest_near(changes, end - 1))) return {changes, 0, {}, false, false, ""};
   std::size_t fine = end - 1;
   for (std::size_t stride = 2; fine > 0; stride *= 2) {
     const std::size_t next = fine - std::min(stride, fine);

@@ -306,8 +306,27 @@ void require_slow_enough(const Method& method, const Scenario& scenario) {
   const double least_s = 2 * scenario.step_s;
   if (asked_s >= least_s) return;
   if (!reads(method, "mujoco.time_constant", scenario)) return;
-  throw UserError(scenario.file + ": mujoco.time_constant: is " + number_text(asked_s) +
-                  " s; must be at least two steps, " + number_text(least_s) + " s, for " + std::string(method.name));
+  throw UserError(scenario.file + ": mujoco.time_constant is " + number_text(asked_s) + " s and step is " +
+                  number_text(scenario.step_s) + " s: must be at least two steps, " + number_text(least_s) +
+                  " s, for " + std::string(method.name));
+}
+
+}  // namespace
+
+namespace {
+
+/// Whether it takes the scenario for a start: features are not all that a method may ask for, such as a box alone.
+bool takes(const Method& method, const Scenario& scenario) {
+  if (method.make == nullptr || !does(method, scenario)) return false;
+  try {
+    require_slow_enough(method, scenario);
+    method.make(scenario, sample_grid(scenario));
+    return true;
+  } catch (const UserError&) {
+    return false;
+  } catch (const MachineError&) {
+    return false;
+  }
 }
 
 }  // namespace
@@ -326,9 +345,10 @@ void require_does(std::span<const Method* const> methods, const Scenario& scenar
   if (lacks.empty()) return;
   std::string others;
   for (const Method& other : catalogue::methods()) {
-    if (does(other, scenario)) others += (others.empty() ? "" : ", ") + std::string(other.name);
+    if (takes(other, scenario)) others += (others.empty() ? "" : ", ") + std::string(other.name);
   }
-  throw UserError(origin + ": " + lacks + "; these can: " + others);
+  throw UserError(origin + ": " + lacks +
+                  (others.empty() ? "; no method of this build can" : "; these can: " + others));
 }
 
 void require_does(const Method& method, const Scenario& scenario, const std::string& origin) {

@@ -26,12 +26,19 @@ void pass(Way& way, Value& nearby) {
 }
 
 template <class Way, class Value>
+requires bytes::is<Value, Effort>
+void pass(Way& way, Value& effort) {
+  auto& [steps, most_steps, settings, cut, untried] = effort;
+  each(way, steps, most_steps, settings, cut, untried);
+}
+
+template <class Way, class Value>
 requires bytes::is<Value, Recommended>
 void pass(Way& way, Value& run) {
   auto& [method, kind, place, changes, knob, before, setting, reached, steps, why_not, cpu_per_s, cpu_spread, command,
-         nearby] = run;
+         nearby, effort] = run;
   each(way, method, kind, place, changes, knob, before, setting, reached, steps, why_not, cpu_per_s, cpu_spread,
-       command, nearby);
+       command, nearby, effort);
 }
 
 namespace catalogue {

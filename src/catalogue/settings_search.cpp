@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 
 #include "catalogue/engine_settings.hpp"
 #include "catalogue/ladder_search.hpp"
@@ -20,6 +21,8 @@ constexpr int most_runs = 10;                 // of the most steps, for all that
 constexpr double worth_a_change = 1.03;       // what costs less to leave as it was is left
 constexpr double farthest_back = 32;          // times the steps, with one change taken back
 constexpr double for_worth = 0.25;            // of all steps, for whether each change is worth it and how much
+constexpr double for_own = 0.5;               // of the steps before, for the scenario's own settings at first
+constexpr double for_first_turns = 0.5;       // of those that are left, for a first look at all others
 constexpr int passes = 2;                     // over the settings, one after the other
 constexpr long rows_of_references = 300'000;  // that are kept: some 100 MB
 
@@ -74,6 +77,12 @@ Scenario SettingsSearch::scenario(const Method& method, const std::vector<Change
   return scenario;
 }
 
+/// Settings that were looked at, and the most steps nearby that kept the budget in the last look.
+struct Begun {
+  std::vector<Change> changes;
+  int steadiest;
+};
+
 /// The search of one method.
 class MethodSearch {
  public:
@@ -96,8 +105,16 @@ class MethodSearch {
   double cost_of_step(const std::vector<Change>& changes) const;
 
   bool improve(Best& best, const std::vector<Change>& changes);
-  void try_together(Best& best);
+  bool improve_in_turn(Best& best, const std::vector<Change>& changes);
+  std::size_t number_to_try() const;
+  void note(const std::vector<Change>& changes, bool cut);
+  void try_together(Best& best, const std::vector<Change>& others);
   void try_alone(Best& best);
+  void try_on_own(Best& best);
+  void go_on_with_cut(Best& best);
+  std::vector<Change> alone_of(const std::vector<Change>& changes) const;
+  Best search();
+  Effort effort() const;
   long share_of_worth(const Best& best) const;
   void drop_what_is_worth_little(Best& best);
   void tell_worth(Best& best);
@@ -110,6 +127,8 @@ class MethodSearch {
   const Ladder& ladder_;
   std::vector<Searched> searched_;
   double all_steps_;  // of all runs
+  long turn_ = 0;     // steps of one
+  std::vector<Begun> ended_, cut_, untried_;
 };
 
 std::vector<Searched> MethodSearch::what_to_search() const {
@@ -152,12 +171,27 @@ std::shared_ptr<const Reference> SettingsSearch::reference_for(const Scenario& s
   return references_[times] = std::make_shared<const Reference>(std::move(reference));
 }
 
+void MethodSearch::note(const std::vector<Change>& changes, bool cut) {
+  const auto same = [&](const Begun& other) { return settings_name(other.changes) == settings_name(changes); };
+  const int steadiest = steps_.steadiest();
+  std::erase_if(cut_, same);
+  std::erase_if(untried_, same);
+  if (std::ranges::none_of(ended_, same)) (cut ? cut_ : ended_).push_back({changes, steadiest});
+}
+
 /// Whether the changes are cheaper than the best so far, which they then are.
 bool MethodSearch::improve(Best& best, const std::vector<Change>& changes) {
-  if (steps_.is_spent()) return false;
+  if (steps_.is_spent()) {
+    const auto same = [&](const Begun& other) { return settings_name(other.changes) == settings_name(changes); };
+    const bool known = std::ranges::any_of(ended_, same) || std::ranges::any_of(cut_, same);
+    if (!known && std::ranges::none_of(untried_, same)) untried_.push_back({changes, 0});
+    return false;
+  }
   if (!best.kept) {
-    const std::size_t end = ladder_.place_of(budget_.until_s / static_cast<double>(most_steps_apart));
+    const double finest = budget_.until_s / static_cast<double>(most_steps_apart);
+    const std::size_t end = changes.empty() ? ladder_.size() : ladder_.place_of(finest);
     Best found = steps_.climb(changes, end);
+    note(changes, found.cut);
     const bool nearer = found.kept || steps_.excess(found.trial) < steps_.excess(best.trial);
     if (nearer) best = std::move(found);
     return nearer;
@@ -165,13 +199,36 @@ bool MethodSearch::improve(Best& best, const std::vector<Change>& changes) {
   // Fewer steps than the best's cost buys: what is worth less is left.
   const double dearer = worth_a_change * cost_of_step(changes) / cost_of_step(best.changes);
   Best found = steps_.descend(changes, ladder_.place_of(ladder_.settings[best.place] * dearer));
+  note(changes, found.cut);
   if (!found.kept) return false;
   best = std::move(found);
   return true;
 }
 
-void MethodSearch::try_together(Best& best) {
-  std::vector<std::vector<Change>> combinations(1);
+/// As long as nothing keeps the budget, with no more steps than a turn has: where impacts make steps nearby fail by
+/// chance, one that has no even ground would spend them all.
+bool MethodSearch::improve_in_turn(Best& best, const std::vector<Change>& changes) {
+  const long left = steps_.left();
+  if (best.kept || left <= turn_) return improve(best, changes);
+  steps_.allow(turn_);
+  const bool better = improve(best, changes);
+  steps_.allow(left - (turn_ - steps_.left()));
+  return better;
+}
+
+std::size_t MethodSearch::number_to_try() const {
+  std::size_t together = 1;
+  std::size_t alone = 0;
+  for (const Searched& one : searched_) {
+    if (one.together) together *= one.values.size();
+    if (!one.together) alone += one.values.size();
+  }
+  return together + alone;
+}
+
+/// All combinations of those settings, beside others.
+void MethodSearch::try_together(Best& best, const std::vector<Change>& others) {
+  std::vector<std::vector<Change>> combinations{others};
   for (const Searched& one : searched_) {
     if (!one.together) continue;
     std::vector<std::vector<Change>> more;
@@ -180,7 +237,7 @@ void MethodSearch::try_together(Best& best) {
     }
     combinations = std::move(more);
   }
-  for (std::size_t i = 1; i < combinations.size(); ++i) improve(best, combinations[i]);
+  for (std::size_t i = 1; i < combinations.size(); ++i) improve_in_turn(best, combinations[i]);
 }
 
 void MethodSearch::try_alone(Best& best) {
@@ -191,11 +248,72 @@ void MethodSearch::try_alone(Best& best) {
       for (const std::string& value : one.values) {
         const auto now = std::ranges::find(best.changes, one.key, &Change::key);
         if (value == (now == best.changes.end() ? one.own : now->value)) continue;
-        better = improve(best, with(best.changes, {one.key, one.own, value})) || better;
+        better = improve_in_turn(best, with(best.changes, {one.key, one.own, value})) || better;
       }
     }
     if (!better) return;
   }
+}
+
+/// Where none of the combinations keeps the budget, those that come nearest need not be what another setting needs.
+void MethodSearch::try_on_own(Best& best) {
+  for (const Searched& one : searched_) {
+    if (one.together) continue;
+    for (const std::string& value : one.values) {
+      if (value == one.own) continue;
+      improve_in_turn(best, {{one.key, one.own, value}});
+      if (best.kept) return;
+    }
+  }
+}
+
+/// In ever longer turns, until one keeps the budget or no steps are left: in each the half that came nearest to steps
+/// that all keep it nearby.
+void MethodSearch::go_on_with_cut(Best& best) {
+  while (!cut_.empty() && !steps_.is_spent()) {
+    turn_ *= 2;
+    std::vector<Begun> begun = cut_;
+    std::ranges::stable_sort(begun, std::ranges::greater(), &Begun::steadiest);
+    if (!best.kept) begun.resize((begun.size() + 1) / 2);
+    for (const Begun& one : begun) improve_in_turn(best, one.changes);
+  }
+}
+
+std::vector<Change> MethodSearch::alone_of(const std::vector<Change>& changes) const {
+  std::vector<Change> alone;
+  for (const Change& change : changes) {
+    if (!std::ranges::find(searched_, change.key, &Searched::key)->together) alone.push_back(change);
+  }
+  return alone;
+}
+
+Best MethodSearch::search() {
+  const long all = steps_.left();
+  const bool others = !searched_.empty();
+  const long own = others ? static_cast<long>(for_own * static_cast<double>(all)) : all;
+  steps_.allow(own);
+  Best best = steps_.climb({}, ladder_.size());
+  note({}, best.cut);
+  steps_.allow(all - (own - steps_.left()));
+  turn_ =
+      static_cast<long>(for_first_turns * static_cast<double>(steps_.left()) / static_cast<double>(number_to_try()));
+  try_together(best, {});
+  const bool kept_early = best.kept;
+  if (!best.kept) try_on_own(best);
+  if (!best.kept) try_alone(best);
+  go_on_with_cut(best);
+  if (best.kept) {
+    if (!kept_early) try_together(best, alone_of(best.changes));
+    try_alone(best);
+  }
+  return best;
+}
+
+Effort MethodSearch::effort() const {
+  Effort effort{steps_.steps_taken(), budget_.most_steps, static_cast<int>(ended_.size()), {}, {}};
+  for (const Begun& one : cut_) effort.cut.push_back(settings_name(one.changes));
+  for (const Begun& one : untried_) effort.untried.push_back(settings_name(one.changes));
+  return effort;
 }
 
 /// Steps to look at one change with, twice: a long search leaves none.
@@ -232,9 +350,7 @@ void MethodSearch::tell_worth(Best& best) {
 }
 
 Recommended MethodSearch::cheapest() {
-  Best best = steps_.climb({}, ladder_.size());
-  try_together(best);
-  try_alone(best);
+  Best best = search();
   if (best.kept) {
     drop_what_is_worth_little(best);
     tell_worth(best);
@@ -252,7 +368,8 @@ Recommended MethodSearch::cheapest() {
   run.reached = std::move(best.trial.reached);
   run.steps = best.trial.steps;
   run.nearby = std::move(best.nearby);
-  run.why_not = best.why_not;
+  run.why_not = !best.kept && effort().spent() ? "the search spent its steps" : best.why_not;
+  run.effort = effort();
   return run;
 }
 

@@ -7,13 +7,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/limit_text.hpp"
 #include "model/nearest.hpp"
 #include "output/number.hpp"
 
 namespace odeval::cli {
 
 Check number_within(double least, double most) {
-  return [=, range = number_text(least) + " to " + number_text(most)](const std::string& text) {
+  return [=, range = limit_text(least) + " to " + limit_text(most)](const std::string& text) {
     double number = NAN;
     const bool right = CLI::detail::lexical_cast(text, number) && number >= least && number <= most;
     return right ? "" : "must be a number from " + range + ", not " + text;
@@ -24,7 +25,9 @@ Check whole_within(long least, long most) {
   return [=](const std::string& text) {
     long number = 0;
     const bool right = CLI::detail::lexical_cast(text, number) && number >= least && number <= most;
-    return right ? "" : fmt::format("must be a whole number from {} to {}, not {}", least, most, text);
+    return right ? ""
+                 : fmt::format("must be a whole number from {} to {}, not {}", limit_text(static_cast<double>(least)),
+                               limit_text(static_cast<double>(most)), text);
   };
 }
 

@@ -48,9 +48,10 @@ const Column& column_of(const CsvColumns& table, std::string_view name, const st
   return table.columns[static_cast<std::size_t>(found - table.header.begin())];
 }
 
-std::string with_unit(const std::string& name) {
+/// ", rad"; nothing of what has none.
+std::string unit_after(const std::string& name) {
   const TraceColumn* const column = trace_column_of(name);
-  return column == nullptr || column->unit.empty() ? name : name + ", " + std::string(column->unit);
+  return column == nullptr || column->unit.empty() ? "" : ", " + std::string(column->unit);
 }
 
 /// The last so many parts of a path.
@@ -166,10 +167,11 @@ int plot(const Options& options) {
 report::Panel panel_of(const std::string& together, const std::vector<DrawnTrace>& traces, const PlotRequest& request) {
   const std::vector<std::string> names = columns_of(together);
   report::Panel panel;
-  panel.x_label = with_unit(request.x);
-  panel.y_label = with_unit(names.front());
-  if (names.size() > 1) panel.y_label = together + panel.y_label.substr(names.front().size());
+  panel.x_label = request.x + unit_after(request.x);
+  panel.y_label = together;
   if (!request.minus.empty()) panel.y_label += " − " + request.minus;
+  if (request.log_y) panel.y_label = "|" + panel.y_label + "|";
+  panel.y_label += unit_after(names.front());
   panel.log_y = request.log_y;
   for (std::size_t i = 0; i < traces.size(); ++i) {
     for (std::size_t k = 0; k < names.size(); ++k) {

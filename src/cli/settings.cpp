@@ -70,15 +70,7 @@ std::string_view trimmed(std::string_view word) {
 }  // namespace
 
 // What is checked late, when a reference is made, knows the file that was read and not who gave the key.
-std::string Settings::retold(const std::string& message) const {
-  const std::size_t colon = message.find(": ");
-  if (colon == message.npos || message.starts_with("--")) return message;
-  const std::string rest = message.substr(colon + 2);
-  const std::string key = rest.substr(0, rest.find(' '));
-  const std::vector<Override> all = overrides();
-  const auto gave = std::ranges::find_if(all, [&](const Override& setting) { return overlap(setting.key, key); });
-  return gave == all.end() ? message : typed(*gave) + ": " + rest;
-}
+std::string Settings::retold(const std::string& message) const { return blamed(message, overrides()); }
 
 void Settings::attach(Flags& flags) {
   flags.retell([this](const std::string& message) { return retold(message); });
@@ -181,14 +173,28 @@ void add_jobs_option(Flags& flags, int& jobs) {
       .check(whole_within(1, 1024));
 }
 
-std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::string>& asked, const Scenario& scenario) {
+namespace {
+
+void require_all_do(std::span<const catalogue::Method* const> methods, const Scenario& scenario,
+                    const std::string& origin, const std::vector<Override>& settings) {
+  try {
+    catalogue::require_does(methods, scenario, origin);
+  } catch (const UserError& error) {
+    throw UserError(blamed(error.what(), settings));
+  }
+}
+
+}  // namespace
+
+std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::string>& asked, const Scenario& scenario,
+                                                     const std::vector<Override>& settings) {
   std::vector<const catalogue::Method*> chosen;
   for (const std::string& word : asked) {
     const std::string name(trimmed(word));
     const catalogue::Method& method = catalogue::find_method(name);
     if (std::ranges::find(chosen, &method) == chosen.end()) chosen.push_back(&method);
   }
-  catalogue::require_does(chosen, scenario, "--method");
+  require_all_do(chosen, scenario, "--method", settings);
   if (!asked.empty()) return chosen;
 
   std::vector<const catalogue::Method*> named;
@@ -203,7 +209,7 @@ std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::stri
       names += (names.empty() ? "" : ", ") + std::string(method.name);
     }
   }
-  catalogue::require_does(named, scenario, scenario.file + ": methods");
+  require_all_do(named, scenario, scenario.file + ": methods", settings);
   for (const auto& [why, names] : missing) {
     std::cerr << "odeval: " << scenario.name << ": left out: " << names << "; " << why << '\n';
   }

@@ -54,7 +54,9 @@ void add_jobs_option(Flags& flags, int& jobs);
 
 /// The methods to run: those asked for, or else the scenario's own list. A method of that list that is missing in this
 /// build is left out with a line on stderr; one that was asked for is a UserError.
-std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::string>& asked, const Scenario& scenario);
+/// `settings` are blamed for what they make wrong.
+std::vector<const catalogue::Method*> chosen_methods(const std::vector<std::string>& asked, const Scenario& scenario,
+                                                     const std::vector<Override>& settings = {});
 
 /// A scenario in the methods chosen for it.
 struct Chosen {

@@ -148,7 +148,7 @@ int sweep_grid(const Options& options) {
   std::vector<sweep::Axis> axes = axes_of(options, settings);
   const std::vector<Override> first = first_of(settings, axes);
   const Scenario base = file.read(first, known_names());
-  const auto methods = chosen_methods(options.methods, base);
+  const auto methods = chosen_methods(options.methods, base, first);
   require_read(first, {{{base, methods}}});
   for (sweep::Axis& axis : axes) axis.unread_by = unread_by(axis.key, methods, base);
   sweep::Axis& last = axes.emplace_back(sweep::Axis{"method", {}});

@@ -2,6 +2,7 @@
 // A setting from the command line that replaces one of the scenario file.
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace odeval {
 
@@ -20,5 +21,9 @@ constexpr bool overlap(std::string_view a, std::string_view b) { return is_or_ho
 
 /// The setting as the user typed it: `--erp 1.5`, `--set q0=[1.0]`.
 std::string typed(const Override& setting);
+
+/// What a check says that knows the file alone, "FILE: KEY must ...", as "--set KEY=VALUE: KEY must ..." where one of
+/// the settings gave that key, or else one that the text names later as "KEY is 2". Else as it is.
+std::string blamed(const std::string& message, const std::vector<Override>& settings);
 
 }  // namespace odeval

@@ -112,7 +112,34 @@ ScenarioFile::ScenarioFile(std::filesystem::path file, std::string_view text)
 
 ScenarioFile::~ScenarioFile() = default;
 
+// A value of the file may be wrong beside another that was typed: the fault is then of what, left out, leaves none or
+// another.
 Scenario ScenarioFile::read(const std::vector<Override>& overrides, const Names& names) const {
+  try {
+    return read_all(overrides, names);
+  } catch (const UserError& error) {
+    const std::string message = error.what();
+    const std::string file = one_line(file_.string()) + ": ";
+    if (!message.starts_with(file)) throw;
+    const std::string at = message.substr(0, message.find(' ', file.size()));  // the file and the key
+    const auto stays_without = [&](std::size_t left_out) {
+      std::vector<Override> others = overrides;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(left_out));
+      try {
+        read_all(others, names);
+      } catch (const UserError& other) {
+        return std::string_view(other.what()).starts_with(at);
+      }
+      return false;
+    };
+    for (std::size_t i = overrides.size(); i-- > 0;) {
+      if (!stays_without(i)) throw UserError(typed(overrides[i]) + ": " + message.substr(file.size()));
+    }
+    throw;
+  }
+}
+
+Scenario ScenarioFile::read_all(const std::vector<Override>& overrides, const Names& names) const {
   toml::table tree = tree_->table;
   apply(tree, overrides);
   Draft draft{tree, overrides, names, {}, {}};

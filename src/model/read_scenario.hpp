@@ -40,6 +40,8 @@ class ScenarioFile {
   std::string text(const std::vector<Override>& overrides) const;
 
  private:
+  Scenario read_all(const std::vector<Override>& overrides, const Names& names) const;
+
   struct Tree;  // toml++ stays out of this header
   std::filesystem::path file_;
   std::unique_ptr<const Tree> tree_;

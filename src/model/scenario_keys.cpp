@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "model/joint_kinds.hpp"
+#include "model/limit_text.hpp"
 #include "model/problems.hpp"
 
 namespace odeval {
@@ -397,9 +398,10 @@ const KeyRow* find_key(std::string_view section, std::string_view name) {
 }
 
 std::string rule_of(const KeyRow& row, const Names& names) {
-  const std::string range = row.ends_excluded
-                                ? fmt::format("between {:.10g} and {:.10g}, ends excluded", row.least, row.greatest)
-                                : fmt::format("from {:.10g} to {:.10g}", row.least, row.greatest);
+  const std::string range =
+      row.ends_excluded
+          ? fmt::format("between {} and {}, ends excluded", limit_text(row.least), limit_text(row.greatest))
+          : fmt::format("from {} to {}", limit_text(row.least), limit_text(row.greatest));
   const std::string unit = row.unit.empty() ? "" : fmt::format(" {}", row.unit);
   switch (row.kind) {
     case KeyKind::number:

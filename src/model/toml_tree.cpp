@@ -147,4 +147,29 @@ std::string typed(const Override& setting) {
                       : fmt::format("{} {}", setting.origin, setting.value));
 }
 
+namespace {
+
+/// Whether the text has "KEY is" or "KEY =" of that key.
+bool tells_value_of(std::string_view text, const std::string& key) {
+  for (const char* const verb : {" is ", " = "}) {
+    const std::size_t at = text.find(" " + key + verb);
+    if (at != text.npos) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string blamed(const std::string& message, const std::vector<Override>& settings) {
+  const std::size_t colon = message.find(": ");
+  if (colon == message.npos || message.starts_with("--")) return message;
+  const std::string rest = message.substr(colon + 2);
+  const std::string key = rest.substr(0, rest.find(' '));
+  auto gave = std::ranges::find_if(settings, [&](const Override& setting) { return overlap(setting.key, key); });
+  if (gave == settings.end()) {
+    gave = std::ranges::find_if(settings, [&](const Override& setting) { return tells_value_of(rest, setting.key); });
+  }
+  return gave == settings.end() ? message : typed(*gave) + ": " + rest;
+}
+
 }  // namespace odeval

@@ -105,6 +105,7 @@ class ColumnRule {
       : row_(trace_column_of(name)), of_a_(of_a), of_b_(of_b) {}
 
   bool is_angle() const { return row_ != nullptr && row_->place == ColumnPlace(&Trace::q); }
+  bool is_position() const { return row_ != nullptr && row_->place == ColumnPlace(&BodyColumns::position); }
 
   double allowed(double t, double a, double b) const {
     if (row_ == nullptr) return rounding(a, b);
@@ -118,13 +119,23 @@ class ColumnRule {
   const Uncertainty& of_b_;
 };
 
-/// The largest difference of an angle.
-struct LargestAngle {
+/// The largest difference of columns of a kind.
+struct Largest {
+  std::string_view name;
+  std::string_view unit;
+  bool there = false;
   double difference = 0;
   double t = 0;
 
   void look_at(double a, double b, double at) {
-    if (std::fabs(a - b) > difference) *this = {std::fabs(a - b), at};
+    there = true;
+    if (!(std::fabs(a - b) > difference)) return;
+    difference = std::fabs(a - b);
+    t = at;
+  }
+
+  std::string text() const {
+    return fmt::format("largest |{}| {:.2g} {}, at t = {}", name, difference, unit, number_text(t));
   }
 };
 
@@ -262,15 +273,16 @@ void compare_traces(const Place& place, const CsvColumns& a, const CsvColumns& b
   } else if (rows.size() != t.size()) {
     differ("rows at the same times", std::to_string(t.size()), std::to_string(rows.size()), 0);
   }
-  LargestAngle largest;
+  Largest angle{"dq", "rad"};
+  Largest coordinate{"dx|, |dy|, |dz", "m"};
   for (std::size_t i = 0; i < a.header.size(); ++i) {
     const ColumnRule rule(a.header[i], of_a, of_b);
-    const bool is_angle = rule.is_angle();
+    Largest* const largest = rule.is_angle() ? &angle : rule.is_position() ? &coordinate : nullptr;
     bool told = false;
     for (const auto& [k, in_other] : rows) {
       const double in_a = a.columns[i][k];
       const double in_b = b.columns[i][in_other];
-      if (is_angle) largest.look_at(in_a, in_b, t[k]);
+      if (largest != nullptr) largest->look_at(in_a, in_b, t[k]);
       const double allowed = rule.allowed(t[k], in_a, in_b);
       if (told || same(in_a, in_b, allowed)) continue;
       differ(fmt::format("{} from t = {}", a.header[i], number_text(t[k])), number_text(in_a), number_text(in_b),
@@ -278,9 +290,10 @@ void compare_traces(const Place& place, const CsvColumns& a, const CsvColumns& b
       told = true;
     }
   }
-  file.why = rows.empty()
-                 ? "no rows at the same times"
-                 : fmt::format("largest |dq| {:.2g} rad, at t = {}", largest.difference, number_text(largest.t));
+  file.why = rows.empty()       ? "no rows at the same times"
+             : angle.there      ? angle.text()
+             : coordinate.there ? coordinate.text()
+                                : fmt::format("{} rows at the same times", rows.size());
 }
 
 void compare_tables(const Place& place, const std::string& text_a, const std::string& text_b, FileComparison& file,

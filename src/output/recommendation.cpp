@@ -70,6 +70,27 @@ std::string nearby_text(const Recommended& run, std::size_t target) {
   return text;
 }
 
+/// "ode.cfm=1e-06, ode.iterations=5 and 3 more"
+std::string first_of(const std::vector<std::string>& names) {
+  constexpr std::size_t few = 3;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(few, names.size()); ++i) text += (i == 0 ? "" : ", ") + names[i];
+  return names.size() <= few ? text : fmt::format("{} and {} more", text, names.size() - few);
+}
+
+/// What a search that spent its steps looked at, what not, and what to pass for more.
+std::string effort_text(const Effort& effort) {
+  constexpr long most = 100'000'000;  // that --most-steps takes
+  const std::size_t all = static_cast<std::size_t>(effort.settings) + effort.cut.size() + effort.untried.size();
+  std::string text = fmt::format("{} of {} choices of settings looked at to the end", effort.settings, all);
+  if (!effort.cut.empty()) text += "; begun: " + first_of(effort.cut);
+  if (!effort.untried.empty()) text += "; not tried: " + first_of(effort.untried);
+  const std::string more = effort.most_steps < most
+                               ? fmt::format("--most-steps {} looks further, ", std::min(most, 10 * effort.most_steps))
+                               : "";
+  return text + "; " + more + "a setting that is given by its flag is not searched";
+}
+
 std::string answer_text(const Recommendation& answer, const Recommended& run) {
   std::string text = fmt::format("{}, {} steps ({} µs of CPU for a simulated second)\n", run.method, run.steps,
                                  three_digits(1e6 * run.cpu_per_s));
@@ -79,7 +100,20 @@ std::string answer_text(const Recommendation& answer, const Recommended& run) {
     text += fmt::format("  {}: {} {}{}\n", quantity.meaning, reached_text(run.reached[i]), quantity.unit,
                         nearby_text(run, i));
   }
+  if (run.effort.spent())
+    text += "  the search spent its steps, others may be cheaper: " + effort_text(run.effort) + '\n';
   return text + "  " + bold(run.command) + '\n';
+}
+
+/// That none does is known of searches alone that came to their end.
+std::string none_text(const Recommendation& answer, Kind kind) {
+  std::string text;
+  for (const Recommended& run : answer.runs) {
+    if (run.kind != kind || !run.effort.spent()) continue;
+    text += fmt::format("  {}: the search spent its steps, {} in all, and found none so far: {}\n", run.method,
+                        run.effort.steps, effort_text(run.effort));
+  }
+  return text.empty() ? "none does\n" : "not known\n" + text;
 }
 
 std::string table_text(const Recommendation& answer) {
@@ -95,7 +129,7 @@ std::string table_text(const Recommendation& answer) {
     cells.push_back(std::to_string(run.steps));
     cells.push_back(run.keeps() ? three_digits(1e6 * run.cpu_per_s) : "-");
     cells.push_back(run.keeps() ? three_digits(1e6 * run.cpu_spread) : "-");
-    cells.push_back(run.keeps() ? "" : "no: " + run.why_not);
+    cells.push_back(run.keeps() ? "" : (run.effort.spent() ? "not known: " : "no: ") + run.why_not);
     table.add(cells);
   }
   return table.text();
@@ -133,6 +167,11 @@ Json json_of(const Recommendation& answer, const Recommended& run) {
     const auto& value = run.reached[i].value;
     json["reached"][std::string(quantity_of(answer.targets[i]).name)] = value ? json_number(*value) : Json();
   }
+  json["search"] = {{"steps", run.effort.steps},
+                    {"ended", run.effort.settings},
+                    {"cut", run.effort.cut},
+                    {"untried", run.effort.untried},
+                    {"spent", run.effort.spent()}};
   if (!run.keeps()) {
     json["why_not"] = run.why_not;
     return json;
@@ -170,8 +209,8 @@ std::string recommendation_text(const Recommendation& answer) {
   for (const auto& [kind, name] : kinds) {
     const Recommended* const first = answer_of(answer, kind);
     if (first == nullptr) continue;
-    text +=
-        fmt::format("\n{}: {}", bold(std::string(name)), first->keeps() ? answer_text(answer, *first) : "none does\n");
+    text += fmt::format("\n{}: {}", bold(std::string(name)),
+                        first->keeps() ? answer_text(answer, *first) : none_text(answer, kind));
   }
   return text + "\nall methods, cheapest first\n" + table_text(answer);
 }

@@ -40,6 +40,17 @@ struct Nearby {
   double share = 1;           // of the budget, that they keep
 };
 
+/// How far the search of a method came: in settings beside the step or the tolerance, each by its name.
+struct Effort {
+  long steps = 0;                    // of all runs
+  long most_steps = 0;               // of a run, as was asked for
+  int settings = 0;                  // that were looked at to the end
+  std::vector<std::string> cut;      // that were begun when no steps were left
+  std::vector<std::string> untried;  // that were not
+
+  bool spent() const { return !cut.empty() || !untried.empty(); }
+};
+
 /// A method at the cheapest settings that keep the budget, or at those that come nearest.
 struct Recommended {
   enum class Kind { plain_ode, accurate_step, other };
@@ -58,6 +69,7 @@ struct Recommended {
   double cpu_spread = 0;     // likewise the median absolute deviation
   std::string command = {};  // the run that proves it
   Nearby nearby = {};
+  Effort effort = {};
 
   bool keeps() const { return why_not.empty(); }
 };

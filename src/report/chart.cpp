@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "output/number.hpp"
@@ -41,6 +42,28 @@ Series thinned(const Series& series, const Panel& panel) {
   return thin;
 }
 
+/// One x axis for all panels, whether or not a logarithmic y axis has a place for the first rows; and one width,
+/// whatever the legends: so that what happens at one time stands at one place.
+std::string common_x(const Chart& chart) {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  std::size_t longest = 0;
+  for (const Panel& panel : chart.panels) {
+    for (const Series& series : panel.series) {
+      longest = std::max(longest, series.label.size());
+      for (const double x : series.x) {
+        if (!drawable(x, panel.log_x)) continue;
+        low = std::min(low, x);
+        high = std::max(high, x);
+      }
+    }
+  }
+  constexpr std::size_t sample = 8;  // of a line, in letters, with the blanks about it
+  const std::string range =
+      low < high ? fmt::format("set xrange [{}:{}]\n", number_text(low), number_text(high)) : "set autoscale xfix\n";
+  return fmt::format("set rmargin {}\n", longest + sample) + range;
+}
+
 std::string terminal(const Chart& chart, ChartFormat format) {
   const char* const kind = format == ChartFormat::svg ? "svg background 'white'" : "pngcairo";
   return fmt::format("set terminal {} size {},{} font 'DejaVu Sans,12'\n", kind, chart.width, chart.height);
@@ -51,8 +74,8 @@ std::string terminal(const Chart& chart, ChartFormat format) {
 std::string drawn(const Chart& chart, ChartFormat format) {
   std::string script = terminal(chart, format) +
                        "set encoding utf8\nset tics nomirror\nset border 3\nset format '%h'\nset lmargin 12\n"
-                       "set grid lc rgb '#dddddd' lw 1 dt solid\nset key outside right top noenhanced\n"
-                       "set autoscale xfix\n";
+                       "set grid lc rgb '#dddddd' lw 1 dt solid\nset key outside right top noenhanced\n" +
+                       common_x(chart);
   std::string plots;
   std::size_t number = 0;
   for (std::size_t k = 0; k < chart.panels.size(); ++k) {
