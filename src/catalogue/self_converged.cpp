@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "measure/body_trace.hpp"
 #include "odeval/error.hpp"
 #include "output/number.hpp"
+#include "output/table.hpp"
 #include "reference/providers.hpp"
 
 namespace odeval::catalogue {
@@ -46,6 +48,12 @@ Trace run(const Scenario& scenario, const SampleGrid& grid, int parts) {
                     " of h = " + number_text(scenario.step_s) + " s blew up: " + outcome.reason +
                     "; take a shorter step");
   }
+  if (outcome.messages > 0) {
+    throw UserError(scenario.file + ": there is no reference: ODE's own run at h/" + std::to_string(parts) +
+                    " of h = " + number_text(scenario.step_s) + " s is not to be believed, it made " +
+                    std::to_string(outcome.messages) + " complaints, the first: " + outcome.first_message +
+                    "; start clear of what does not leave each other");
+  }
   return body_trace(scenario, grid, motion);
 }
 
@@ -67,6 +75,9 @@ class Limit {
     for (std::size_t i = 0; i < N; ++i) (*runs.back())[i][row] = limit[i];
     return spread_.error(refinements.size() - 1).uncertainty;
   }
+
+  /// Whether the runs come nearer to each other, so far, as their steps get shorter.
+  bool converges() const { return spread_.error(refinements.size() - 1).convergence != audit::Convergence::none; }
 
  private:
   double metric_;
@@ -98,6 +109,7 @@ Reference self_converged(const Scenario& scenario, const SampleGrid& grid) {
   Reference reference;
   const std::size_t bodies = scenario.mechanism.bodies.size();
   std::vector<BodyLimit> limits(bodies);
+  std::optional<double> lost_from;
   for (std::size_t row = 0; row < runs.back().rows(); ++row) {
     double position = 0, turn = 0, spin = 0;
     for (std::size_t i = 0; i < bodies; ++i) {
@@ -110,6 +122,8 @@ Reference self_converged(const Scenario& scenario, const SampleGrid& grid) {
       spin = std::fmax(spin, limits[i].spin.take(of(&BodyColumns::spin), row));
       limits[i].velocity.take(of(&BodyColumns::velocity), row);
     }
+    const auto converges = [](const BodyLimit& limit) { return limit.position.converges() && limit.turn.converges(); };
+    if (!lost_from && !std::ranges::all_of(limits, converges)) lost_from = grid.time(static_cast<long>(row));
     reference.uncertainty_position.push_back(position);
     reference.uncertainty_turn.push_back(turn);
     reference.uncertainty_spin.push_back(spin);
@@ -119,6 +133,10 @@ Reference self_converged(const Scenario& scenario, const SampleGrid& grid) {
   reference.origin += ": dWorldStep's own limit, from h, h/2, h/4 and h/8, with ERP and CFM as ";
   reference.origin += keeps_numbers(scenario) ? "numbers" : "springs";
   reference.origin += "; uncertainty from the spread";
+  if (lost_from) {
+    reference.origin +=
+        ", which does not fall with the step from t = " + three_digits(*lost_from) + " s on: not converged";
+  }
   return reference;
 }
 
