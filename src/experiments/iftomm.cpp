@@ -213,6 +213,15 @@ report::Table table_of_mechanisms(Laboratory& laboratory, Findings& findings) {
   return table;
 }
 
+/// What the pendulum's text says of a symplectic step.
+std::string about_symplectic(const Findings& findings) {
+  const std::string name = fmt::format("iftomm.lagrange-symplectic-euler_within_{}", asked[0]);
+  const std::optional<double> step_s = findings.all().at(name).value;
+  const std::string keeps =
+      fmt::format("a symplectic step of first order, in generalized coordinates, keeps {} rad", asked[0]);
+  return step_s ? fmt::format("{} at {} ms", keeps, shown(1e3 * *step_s)) : keeps + " at none";
+}
+
 }  // namespace
 
 Content iftomm(Laboratory& laboratory, Findings& findings) {
@@ -230,6 +239,8 @@ Content iftomm(Laboratory& laboratory, Findings& findings) {
                     {"length", shown(scenario.planar->links[0].length_m)},
                     {"loosest", shown(std::pow(10.0, -loosest_digits))},
                     {"rows_apart", accuracy.row_spacing_s()},
+                    {"dworldstep", shown(findings.all().at("iftomm.ode-step-double_best").value.value_or(NAN))},
+                    {"symplectic", about_symplectic(findings)},
                     {"most_cartesian", most_steps_cartesian},
                     {"most_generalized", most_steps_generalized},
                     {"most_best", scenario.duration_s / accuracy.row_spacing_s() * best_settings_steps_a_row[1]},
