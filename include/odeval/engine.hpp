@@ -48,16 +48,18 @@ enum class Feature : std::uint8_t {
   open_joints,        // joints that start open
   motors,
   stops,
-  bouncing_stops,  // that give a part of the speed back
-  loads,           // springs, torques and controllers of joints
-  inertia,         // a tensor of its own, not that of a uniform solid
-  loops,           // joints that close some
-  rare_joints,     // ODE's kinds that other engines do not have
-  struts,          // springs between points of bodies
-  rare_shapes,     // contacts of shapes that other engines are not given
-  axis_drives,     // motors, stops and loads of joints with several motions
-  cross_stops,     // stops of turns of kinds that cross two axes, universal and pu
-  plane_motors,    // of plane2d
+  bouncing_stops,   // that give a part of the speed back
+  loads,            // springs, torques and controllers of joints
+  inertia,          // a tensor of its own, not that of a uniform solid
+  loops,            // joints that close some
+  rare_joints,      // ODE's kinds that other engines do not have
+  struts,           // springs between points of bodies
+  rare_shapes,      // contacts of shapes that other engines are not given
+  axis_drives,      // motors, stops and loads of joints with several motions
+  cross_stops,      // stops of turns of kinds that cross two axes, universal and pu
+  plane_motors,     // of plane2d
+  soft_contacts,    // with an ERP and a CFM of their own
+  sprung_contacts,  // with a spring and a damper of their own
 };
 
 /// The features in words ("friction"), in the order of the enumeration.

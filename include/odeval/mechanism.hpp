@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "odeval/frame.hpp"
+#include "odeval/softness.hpp"
 
 namespace odeval {
 
@@ -64,7 +65,8 @@ Vec3 rotation_vector(const Attitude& attitude);
 /// One of the shapes of a body.
 struct Part {
   Shape shape;
-  Frame place{};  // of its centre, from the body's centre of mass along the body's own axes
+  Frame place{};          // of its centre, from the body's centre of mass along the body's own axes
+  std::string name = {};  // within its body, by which contacts know it; need not be there
 };
 
 /// A rigid body and how it starts.
@@ -85,6 +87,8 @@ struct Body {
 
   /// What touches and is drawn: one or more.
   std::vector<Part> parts() const;
+  /// What contacts know one of them by: "hammer.head", or of a shape without a name the body's.
+  std::string touches_as(const Part& part) const;
 
   /// Moments of a uniform solid of its shape, kg m².
   Vec3 uniform_moments_kgm2() const { return odeval::uniform_moments_kgm2(shape, mass_kg); }
@@ -301,11 +305,16 @@ struct Friction {
 struct Contact {
   double restitution = 0;                 // speed after an impact over speed before
   std::optional<Friction> friction = {};  // absent: nothing rubs, and no setting of friction has a meaning
-  std::string first = {};                 // name of a body or an obstacle; empty: any
+  std::string first = {};                 // name of a body or an obstacle, or "body.shape"; empty: any
   std::string second = {};                // likewise
+  std::optional<Softness> softness = {};  // of its own, in the place of that of the world; at the step of the run
+  std::optional<Spring> spring = {};      // in the place of `softness`: each point that touches is one
 
-  /// Whether the contact is of these two, in either order.
+  /// Whether the contact is of these two, in either order. They are told as Body::touches_as has it: a shape is also
+  /// meant where its body is named, a body is not where one of its shapes is.
   bool is_between(std::string_view a, std::string_view b) const;
+  /// Its own softness at a step; nothing where it has that of the world.
+  std::optional<Softness> softness_at(double step_s) const;
 };
 
 /// The part of a start that a joint does not allow.

@@ -31,6 +31,7 @@ struct Robot {
     Vec3 sides_m{};       // of the box around it, along its own axes; a cylinder's and a capsule's way is z
     std::string file{};   // of a mesh, as it is named; of another form its name
     Vec3 scale{1, 1, 1};  // of a mesh
+    std::string name{};   // as the file calls it; empty: it does not
   };
   struct Link {
     std::string name;

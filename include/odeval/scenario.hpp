@@ -12,6 +12,7 @@
 
 #include "odeval/mechanism.hpp"
 #include "odeval/planar_view.hpp"
+#include "odeval/softness.hpp"
 
 namespace odeval {
 
@@ -24,29 +25,6 @@ enum class FrictionAxes { plane_space, sliding };
 
 /// How ODE turns a body by its spin in a step: along the tangent, its own choice, or by the whole angle.
 enum class Turning { infinitesimal, finite };
-
-/// How ODE holds a joint together: the part of an error that a step takes back, and how far a force opens it.
-struct Softness {
-  double erp = 0;  // 0 to 1
-  double cfm = 0;  // s/kg, of a linear row: m/s that 1 N of force opens it by
-};
-
-/// The same as a spring and a damper.
-struct Spring {
-  double kp_N_m = 0;   // stiffness
-  double kd_Ns_m = 0;  // damping
-};
-
-/// Report, eqs. 3.6 and 3.7. The same spring is another softness at another step.
-constexpr Softness softness_of(const Spring& spring, double step_s) {
-  const double stiffness = step_s * spring.kp_N_m + spring.kd_Ns_m;
-  return {step_s * spring.kp_N_m / stiffness, 1 / stiffness};
-}
-
-/// The other way round. Without CFM a joint is stiffer than any spring: infinite or not a number.
-constexpr Spring spring_of(const Softness& softness, double step_s) {
-  return {softness.erp / (step_s * softness.cfm), (1 - softness.erp) / softness.cfm};
-}
 
 /// ODE's own settings. Every one is set explicitly in each world, so no default of a build shows through.
 struct OdeSettings {

@@ -39,9 +39,9 @@ class BodyMotion {
 };
 
 /// What closed forms of bodies know.
-inline constexpr Features known_of_bodies{Feature::space,           Feature::ground,
-                                          Feature::friction,        Feature::constant_friction,
-                                          Feature::joints_in_space, Feature::open_joints};
+inline constexpr Features known_of_bodies{
+    Feature::space,           Feature::ground,      Feature::friction,     Feature::constant_friction,
+    Feature::joints_in_space, Feature::open_joints, Feature::soft_contacts};
 
 /// Whether there is a closed form for bodies, joints and contacts like the scenario's. A chain in a plane has none
 /// here.

@@ -11,6 +11,16 @@ const Contact* contact_between(const Mechanism& mechanism, const std::string& a,
   return found == mechanism.contacts.end() ? nullptr : &*found;
 }
 
+bool may_touch(const Mechanism& mechanism, const Body& first, const Body& second) {
+  const std::vector<Part> ones = first.parts();
+  const std::vector<Part> others = second.parts();
+  return std::ranges::any_of(ones, [&](const Part& one) {
+    return std::ranges::any_of(others, [&](const Part& other) {
+      return contact_between(mechanism, first.touches_as(one), second.touches_as(other)) != nullptr;
+    });
+  });
+}
+
 bool connected(const Mechanism& mechanism, std::size_t a, std::size_t b) {
   return std::ranges::any_of(mechanism.joints, [&](const Joint& joint) {
     return (joint.first == a && joint.second == b) || (joint.first == b && joint.second == a);
@@ -58,12 +68,12 @@ double radius_of(const Shape& shape) {
 /// False where they may touch in a way that is not followed.
 bool add_plane(std::vector<ContactPoint>& points, const Mechanism& mechanism, std::size_t i, const Obstacle& obstacle) {
   const Body& body = mechanism.bodies[i];
-  const Contact* const contact = contact_between(mechanism, body.name, obstacle.name);
-  if (contact == nullptr) return true;
   const auto* const plane = std::get_if<HalfSpace>(&obstacle.shape);
-  if (plane == nullptr) return false;
-  const ContactPoint point{.body = i, .plane = *plane, .other = {}, .restitution = contact->restitution};
   return std::ranges::all_of(body.parts(), [&](const Part& part) {
+    const Contact* const contact = contact_between(mechanism, body.touches_as(part), obstacle.name);
+    if (contact == nullptr) return true;
+    if (plane == nullptr) return false;
+    const ContactPoint point{.body = i, .plane = *plane, .other = {}, .restitution = contact->restitution};
     return std::visit(AddPoints{points, point, part.place}, part.shape);
   });
 }
@@ -72,9 +82,10 @@ bool add_plane(std::vector<ContactPoint>& points, const Mechanism& mechanism, st
 bool add_pair(std::vector<ContactPoint>& points, const Mechanism& mechanism, std::size_t i, std::size_t j) {
   const Body& first = mechanism.bodies[i];
   const Body& second = mechanism.bodies[j];
-  const Contact* const contact = contact_between(mechanism, first.name, second.name);
-  if (contact == nullptr || connected(mechanism, i, j)) return true;
+  if (!may_touch(mechanism, first, second) || connected(mechanism, i, j)) return true;
+  // Of several shapes a body's own is the box around them.
   if (!is_sphere(first.shape) || !is_sphere(second.shape)) return false;
+  const Contact* const contact = contact_between(mechanism, first.name, second.name);
   points.push_back({.body = i,
                     .radius_m = radius_of(first.shape),
                     .other = j,
@@ -113,9 +124,8 @@ Meeting meeting(const ContactPoint& point, const std::vector<Placed>& bodies) {
 std::optional<std::vector<ContactPoint>> contact_points(const Mechanism& mechanism) {
   std::vector<ContactPoint> points;
   if (mechanism.contacts.empty()) return points;
-  if (std::ranges::any_of(mechanism.contacts, [](const Contact& contact) { return contact.friction.has_value(); })) {
-    return std::nullopt;
-  }
+  const auto no_impact = [](const Contact& contact) { return contact.friction || contact.spring; };
+  if (std::ranges::any_of(mechanism.contacts, no_impact)) return std::nullopt;
   for (std::size_t i = 0; i < mechanism.bodies.size(); ++i) {
     for (const Obstacle& obstacle : mechanism.obstacles) {
       if (!add_plane(points, mechanism, i, obstacle)) return std::nullopt;

@@ -29,7 +29,7 @@ struct Meeting {
 Meeting meeting(const ContactPoint& point, const std::vector<Placed>& bodies);
 
 /// All of a mechanism: of balls, boxes and capsules with planes, and of balls with each other. Nothing where anything
-/// else may touch, or anything rubs.
+/// else may touch, or anything rubs or is a spring.
 std::optional<std::vector<ContactPoint>> contact_points(const Mechanism& mechanism);
 
 }  // namespace odeval::reference

@@ -11,11 +11,11 @@
 namespace odeval::reference {
 
 /// What is known of trees.
-inline constexpr Features known_of_trees{Feature::space,       Feature::joints_in_space, Feature::inertia,
-                                         Feature::motors,      Feature::stops,           Feature::bouncing_stops,
-                                         Feature::loads,       Feature::ground,          Feature::loops,
-                                         Feature::rare_joints, Feature::struts,          Feature::rare_shapes,
-                                         Feature::axis_drives, Feature::cross_stops,     Feature::plane_motors};
+inline constexpr Features known_of_trees{
+    Feature::space,       Feature::joints_in_space, Feature::inertia,      Feature::motors,
+    Feature::stops,       Feature::bouncing_stops,  Feature::loads,        Feature::ground,
+    Feature::loops,       Feature::rare_joints,     Feature::struts,       Feature::rare_shapes,
+    Feature::axis_drives, Feature::cross_stops,     Feature::plane_motors, Feature::soft_contacts};
 
 /// Bodies in space whose joints start closed, as a tree or in loops; what touches is of contact_points.hpp.
 bool is_tree(const Scenario& scenario);

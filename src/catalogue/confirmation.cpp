@@ -99,6 +99,7 @@ std::string not_confirmed(const std::string& why) { return "; not confirmed by a
 void confirm(Reference& reference, const Scenario& scenario, const SampleGrid& grid) {
   Scenario plain = scenario;
   plain.ode = {};  // of another engine's settings nothing shall count
+  for (Contact& contact : plain.mechanism.contacts) contact.softness.reset();
   if (const Method& step = find_method("ode-rk8-double"); !does(step, plain)) {
     reference.origin += not_confirmed("the accurate step can not do " + listed(features_of(plain) - step.can));
     return;

@@ -64,7 +64,9 @@ constexpr Features accurate =
     touching_bodies | driven_bodies | Features{Feature::friction, Feature::rare_shapes, Feature::axis_drives};
 // What the accurate step does not read off ODE.
 constexpr Features unread_of_ode{Feature::cross_stops, Feature::plane_motors};
-constexpr Features all_of_ode = accurate | unread_of_ode | Features{Feature::constant_friction, Feature::open_joints};
+constexpr Features soft_contacts{Feature::soft_contacts, Feature::sprung_contacts};
+constexpr Features all_of_ode =
+    accurate | unread_of_ode | soft_contacts | Features{Feature::constant_friction, Feature::open_joints};
 constexpr Features closed_form{Feature::wall,
                                Feature::space,
                                Feature::ground,
@@ -190,8 +192,8 @@ std::vector<Method> engines_beside_ode() {
   const std::span<const EngineSetting> none;
   const auto inverts = SystemMatrix::mass_matrix;
   const Features mujoco = touching_trees | bouncing_stops | Features{Feature::loops};
-  const Features hinge = touching_trees | Features{Feature::motors, Feature::loops};
-  const Features multibody = touching_trees | Features{Feature::motors};
+  const Features hinge = touching_trees | soft_contacts | Features{Feature::motors, Feature::loops};
+  const Features multibody = touching_trees | soft_contacts | Features{Feature::motors};
   const Features simbody = trees_of_bodies | Features{Feature::loops};
   const double accuracy = engine_simbody::default_accuracy;
   return {

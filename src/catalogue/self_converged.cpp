@@ -31,6 +31,10 @@ Scenario refined(Scenario scenario, int parts) {
   OdeSettings& ode = scenario.ode;
   const double h = scenario.step_s;
   if (!keeps_numbers(scenario) && !ode.spring && ode.cfm > 0) ode.spring = spring_of(ode.softness(h), h);
+  for (Contact& contact : scenario.mechanism.contacts) {
+    if (keeps_numbers(scenario) || !contact.softness || contact.softness->cfm == 0) continue;
+    contact.softness = softness_of(spring_of(*contact.softness, h), h / parts);
+  }
   scenario.step_s = h / parts;
   scenario.sample_s = h;
   ode.start = Start::as_given;

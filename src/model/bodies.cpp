@@ -102,6 +102,9 @@ void check_shapes(const Draft& draft, std::size_t number) {
     if (shapes[i].shape == BodyShape::sphere && body["shapes"][i].as_table()->contains("turn")) {
       draft.fail(path + ".turn", "", "has no effect on a sphere; remove it");
     }
+    const auto same = std::ranges::find(shapes, shapes[i].name, &ShapeTable::name) - shapes.begin();
+    if (shapes[i].name.empty() || same == static_cast<std::ptrdiff_t>(i)) continue;
+    draft.fail(path + ".name", shapes[i].name, fmt::format("is the name of bodies.{}.shapes.{} as well", number, same));
   }
 }
 

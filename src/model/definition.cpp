@@ -50,6 +50,7 @@ void add_shape(Section section, const ShapeTable& shape) {
       .add("size", shape.size_m)
       .add("position", shape.position_m);
   if (shape.shape != BodyShape::sphere) section.add("turn", shape.turn_rad);
+  if (!shape.name.empty()) section.add("name", shape.name);
 }
 
 void add_ground(Section section, const GroundTable& ground, bool friction) {
@@ -98,8 +99,10 @@ void add_contact(Section section, const ContactTable& contact) {
   for (std::size_t i = 0; i < contact.between.size(); ++i) {
     section.add(i == 0 ? "between.0" : "between.1", contact.between[i]);
   }
-  section.add("restitution", contact.restitution);
+  if (!contact.spring) section.add("restitution", contact.restitution);
   if (contact.friction) section.add("friction", *contact.friction);
+  if (contact.softness) section.add("erp", contact.softness->erp).add("cfm", contact.softness->cfm);
+  if (contact.spring) section.add("kp", contact.spring->kp_N_m).add("kd", contact.spring->kd_Ns_m);
 }
 
 void add_joint_of_tree(Section section, const JointTable& joint) {

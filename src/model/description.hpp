@@ -20,9 +20,10 @@ inline std::string word_of(BodyShape shape) { return std::string(body_shape_word
 struct ShapeTable {
   BodyShape shape = BodyShape::box;
   double mass_kg = 0;
-  Vec3 size_m{};      // as a body's
-  Vec3 position_m{};  // from where the body's `position` is, along the body's own axes
-  Vec3 turn_rad{};    // against them
+  Vec3 size_m{};          // as a body's
+  Vec3 position_m{};      // from where the body's `position` is, along the body's own axes
+  Vec3 turn_rad{};        // against them
+  std::string name = {};  // within the body; empty: it has none
 };
 
 /// One table [[bodies]].
@@ -94,9 +95,11 @@ struct PlaneTable {
 
 /// One table [[contacts]].
 struct ContactTable {
-  std::vector<std::string> between;  // names of two; empty: whatever meets
+  std::vector<std::string> between;  // names of two, of a shape "body.shape"; empty: whatever meets
   double restitution = 0;
   std::optional<double> friction = {};  // a coefficient
+  std::optional<Softness> softness = {};
+  std::optional<Spring> spring = {};
 };
 
 /// One table [[struts]].

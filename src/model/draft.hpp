@@ -51,6 +51,9 @@ void read_keys(Draft& draft);
 /// ERP and CFM, or kp and kd: both or none. The command line may replace the file's pair by the other.
 void choose_softness(Draft& draft);
 
+/// The same of each of [[contacts]] that has a softness of its own.
+void check_softness_of_contacts(const Draft& draft);
+
 /// Links and start angles of a pendulum, completed.
 void settle_links(Draft& draft);
 

@@ -9,7 +9,7 @@
 namespace odeval {
 namespace {
 
-constexpr std::array<std::string_view, 22> names{
+constexpr std::array<std::string_view, 24> names{
     "bodies in space",
     "more than one link",
     "more than two links",
@@ -32,9 +32,11 @@ constexpr std::array<std::string_view, 22> names{
     "motors, stops, springs, torques and controllers of joints with several motions",
     "stops of turns of joints universal and pu",
     "motors of joints plane2d",
+    "contacts with erp and cfm of their own",
+    "contacts with kp and kd of their own",
 };
 
-static_assert(names.size() == static_cast<std::size_t>(Feature::plane_motors) + 1, "a name for each");
+static_assert(names.size() == static_cast<std::size_t>(Feature::sprung_contacts) + 1, "a name for each");
 
 void add_of_links(Features& asked, std::size_t links, bool touching) {
   if (links > 1) asked.add(Feature::several_links);
@@ -113,6 +115,8 @@ Features features_of(const Scenario& scenario) {
     add_of_space(asked, mechanism);
   }
   for (const Contact& contact : mechanism.contacts) {
+    if (contact.softness) asked.add(Feature::soft_contacts);
+    if (contact.spring) asked.add(Feature::sprung_contacts);
     if (!contact.friction) continue;
     asked.add(contact.friction->model == FrictionModel::constant ? Feature::constant_friction : Feature::friction);
   }

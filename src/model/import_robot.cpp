@@ -341,8 +341,8 @@ class Import {
   }
 
   void write();
-  void write_bodies(std::string& text) const;
-  static void write_shape(std::string& text, const Lump& lump, const Robot::Solid& solid);
+  void write_bodies(std::string& text);
+  static void write_shape(std::string& text, const Lump& lump, const Robot::Solid& solid, const std::string& name);
   void write_joint(std::string& text, std::size_t link, const std::string& name) const;
   void write_spring(std::string& text, const Robot::Joint& joint, const Robot::Acting& acting, const std::string& name,
                     int motion);
@@ -360,7 +360,7 @@ class Import {
 
 std::string shown(const Vec3& v) { return fmt::format("[{}, {}, {}]", v[0], v[1], v[2]); }
 
-void Import::write_bodies(std::string& text) const {
+void Import::write_bodies(std::string& text) {
   for (const Lump& lump : lumps_) {
     const Frame& place = places_[lump.base];
     text += fmt::format("\n[[bodies]]\nname     = \"{}\"\nmass     = {}\nposition = {}\nturn     = {}\n", lump.name,
@@ -368,11 +368,14 @@ void Import::write_bodies(std::string& text) const {
                         shown(rotation_vector_of(place.rotation)));
     text += lump.solids.empty() ? fmt::format("size     = {}\n", shown(sides_of(lump))) : "shape    = \"none\"\n";
     text += fmt::format("inertia  = [{}]\n", fmt::join(inertia_of(lump), ", "));
-    for (const Robot::Solid& solid : lump.solids) write_shape(text, lump, solid);
+    NamesInFile names(robot_);
+    for (const Robot::Solid& solid : lump.solids) {
+      write_shape(text, lump, solid, solid.name.empty() ? "" : names.of(solid.name, ""));
+    }
   }
 }
 
-void Import::write_shape(std::string& text, const Lump& lump, const Robot::Solid& solid) {
+void Import::write_shape(std::string& text, const Lump& lump, const Robot::Solid& solid, const std::string& name) {
   Vec3 sides = solid.sides_m;
   for (double& side : sides) side = in_file(side);
   const char* word = "box";
@@ -384,6 +387,7 @@ void Import::write_shape(std::string& text, const Lump& lump, const Robot::Solid
   if (word != std::string_view("sphere")) {
     text += fmt::format("turn     = {}\n", shown(rotation_vector_of(solid.frame.rotation)));
   }
+  if (!name.empty()) text += fmt::format("name     = \"{}\"\n", name);
 }
 
 void Import::write_joint(std::string& text, std::size_t link, const std::string& name) const {

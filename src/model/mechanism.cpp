@@ -96,6 +96,8 @@ std::vector<Driveable> driveable_of(const JointKind& kind) {
 
 std::vector<Part> Body::parts() const { return several.empty() ? std::vector{Part{shape}} : several; }
 
+std::string Body::touches_as(const Part& part) const { return part.name.empty() ? name : name + "." + part.name; }
+
 std::size_t Body::long_axis() const {
   const auto [x, y, z] = sides_m(shape);
   return z >= x && z >= y ? 2 : y >= x ? 1 : 0;
@@ -212,8 +214,15 @@ double allowed_misfit(const Mechanism& mechanism) {
 }
 
 bool Contact::is_between(std::string_view a, std::string_view b) const {
-  const auto is = [](const std::string& named, std::string_view name) { return named.empty() || named == name; };
+  const auto is = [](std::string_view named, std::string_view name) {
+    const bool its_body = name.size() > named.size() && name.starts_with(named) && name[named.size()] == '.';
+    return named.empty() || named == name || its_body;
+  };
   return (is(first, a) && is(second, b)) || (is(first, b) && is(second, a));
+}
+
+std::optional<Softness> Contact::softness_at(double step_s) const {
+  return spring ? softness_of(*spring, step_s) : softness;
 }
 
 std::optional<Carrier> carrier_of(const Mechanism& mechanism, std::size_t body) {

@@ -91,7 +91,7 @@ void add_shapes(Body& body, const BodyTable& said) {
                            body.inertia_kgm2.value_or(tensor_of(body.shape, body.mass_kg))}};
   for (const ShapeTable& table : said.shapes) {
     const Shape shape = shape_of(table.shape, table.size_m);
-    parts.push_back({shape, {table.position_m, rotation_of_vector(table.turn_rad)}});
+    parts.push_back({shape, {table.position_m, rotation_of_vector(table.turn_rad)}, table.name});
     lumps.push_back({table.mass_kg, parts.back().place, tensor_of(shape, table.mass_kg)});
   }
   Vec3 centre{};
@@ -232,7 +232,7 @@ void put_contacts(Mechanism& mechanism, const Description& said) {
     mechanism.obstacles.push_back({HalfSpace{plane.normal, dot(plane.normal, plane.point_m)}, plane.name});
   }
   for (const ContactTable& table : said.contacts) {
-    Contact contact{.restitution = table.restitution};
+    Contact contact{.restitution = table.restitution, .softness = table.softness, .spring = table.spring};
     if (table.friction) contact.friction = Friction{*table.friction, FrictionModel::pyramid};
     if (!table.between.empty()) {
       contact.first = table.between[0];

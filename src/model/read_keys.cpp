@@ -31,8 +31,8 @@ std::string keys_of(std::string_view section) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-// The nearest key by its full name or by its own: `erp` means `ode.erp`. Inside a list the same element is meant, and
-// where a table has none like it, all it has are told.
+// The nearest key by its full name or by its own: `erp` means `ode.erp`, and not the one of each of a list's tables.
+// Inside a list the same element is meant, and where a table has none like it, all it has are told.
 [[noreturn]] void fail_unknown(const Draft& draft, std::string_view section, const std::string& path,
                                std::string_view key, const toml::node& node) {
   if (section.empty() && (node.is_table() || node.is_array_of_tables())) {
@@ -40,13 +40,17 @@ std::string keys_of(std::string_view section) {
                Draft::Blame::parts);
   }
   std::string best;
+  bool best_in_list = false;
   std::size_t least = 0;
   for (const KeyRow& row : key_table()) {
     const bool here = row.section == section;
     const std::size_t distance = std::min(edit_distance(key, row.name) + (here ? 0 : 1),
                                           edit_distance(joined(section, key), joined(row.section, row.name)));
-    if (best.empty() || distance < least) {
+    const SectionRow* const table = find_section(row.section);
+    const bool in_list = !here && table != nullptr && table->list;
+    if (best.empty() || distance < least || (distance == least && best_in_list && !in_list)) {
       least = distance;
+      best_in_list = in_list;
       best = here ? joined(path, row.name) : joined(row.section, row.name);
     }
   }
@@ -83,11 +87,25 @@ std::string word_of(const Draft& draft, const KeyRow& row, const toml::node& nod
   draft.fail(path, shown(node), fmt::format("is not known (nearest: '{}')", nearest(*word, allowed)));
 }
 
-std::string name_of(const Draft& draft, const KeyRow& row, const toml::node& node, const std::string& path) {
+bool is_name(std::string_view name) {
   constexpr std::size_t longest = 40;
-  const auto name = node.value<std::string>();
   const auto plain = [](unsigned char letter) { return std::isalnum(letter) != 0 || letter == '_' || letter == '-'; };
-  if (name && !name->empty() && name->size() <= longest && std::ranges::all_of(*name, plain)) return *name;
+  return !name.empty() && name.size() <= longest && std::ranges::all_of(name, plain);
+}
+
+std::string name_of(const Draft& draft, const KeyRow& row, const toml::node& node, const std::string& path) {
+  const auto name = node.value<std::string>();
+  if (name && is_name(*name)) return *name;
+  draft.fail(path, shown(node), rule_of(row, draft.names));
+}
+
+/// A name, or two with a dot between them: of a body and one of its shapes.
+std::string dotted_name_of(const Draft& draft, const KeyRow& row, const toml::node& node, const std::string& path) {
+  const auto name = node.value<std::string>();
+  const std::size_t dot = name ? name->find('.') : std::string::npos;
+  if (dot == std::string::npos) return name_of(draft, row, node, path);
+  const std::string_view whole = *name;
+  if (is_name(whole.substr(0, dot)) && is_name(whole.substr(dot + 1))) return *name;
   draft.fail(path, shown(node), rule_of(row, draft.names));
 }
 
@@ -109,7 +127,7 @@ KeyValue value_of(const Draft& draft, const KeyRow& row, const toml::node& node,
     for (std::size_t i = 0; i < list->size(); ++i) {
       const std::string element = fmt::format("{}.{}", path, i);
       if (row.kind == KeyKind::names) {
-        value.words.push_back(name_of(draft, row, (*list)[i], element));
+        value.words.push_back(dotted_name_of(draft, row, (*list)[i], element));
       } else if (row.kind == KeyKind::numbers || row.kind == KeyKind::several) {
         value.numbers.push_back(number_of(draft, row, (*list)[i], element));
       } else {

@@ -149,6 +149,7 @@ Scenario ScenarioFile::read_all(const std::vector<Override>& overrides, const Na
   refuse_misplaced(draft);
   read_keys(draft);
   choose_softness(draft);
+  check_softness_of_contacts(draft);
   const bool pendulum = draft.said.problem->planar;
   // A definition can be put into a file again: it is complete, and nothing in it is worked into something else yet.
   if (pendulum) {

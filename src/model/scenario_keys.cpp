@@ -53,6 +53,15 @@ std::vector<std::string> metric_names(const Names& names) { return names.metrics
 
 Spring& spring_of(Scenario& s) { return s.ode.spring ? *s.ode.spring : s.ode.spring.emplace(); }
 
+Softness& softness_of(Description& said) {
+  std::optional<Softness>& softness = said.contacts.back().softness;
+  return softness ? *softness : softness.emplace();
+}
+Spring& spring_of(Description& said) {
+  std::optional<Spring>& spring = said.contacts.back().spring;
+  return spring ? *spring : spring.emplace();
+}
+
 Stop& stop_of(Description& said, std::size_t k) {
   std::optional<Stop>& stop = said.joints.back().stops[k];
   return stop ? *stop : stop.emplace();
@@ -165,6 +174,8 @@ constexpr KeyRow rows[] = {
       [](D& d, S&, const V& v) { d.bodies.back().shapes.back().position_m = vector(v); }, 3},
   {"bodies.shapes", "turn",     numbers, "rad",   -1e3, 1e3,  false, nullptr, "0", "rotation vector that turns the body's own axes into those of the shape; not of a sphere",
       [](D& d, S&, const V& v) { d.bodies.back().shapes.back().turn_rad = vector(v); }, 3},
+  {"bodies.shapes", "name",     label,   "",      0, 0,       false, nullptr, "none", "by which [[contacts]] know it, behind its body's: body.shape",
+      [](D& d, S&, const V& v) { d.bodies.back().shapes.back().name = v.word; }},
 
   {"joints", "kind",     word,    "",      0, 0,       false, joint_names, "", "what it holds, and what it leaves free",
       [](D& d, S&, const V& v) { d.joints.back().kind = joint_named(v.word); }},
@@ -272,12 +283,20 @@ constexpr KeyRow rows[] = {
   {"planes", "point",    numbers, "m", -1e4, 1e4, false, nullptr, "0", "of the plane",
       [](D& d, S&, const V& v) { d.planes.back().point_m = vector(v); }, 3},
 
-  {"contacts", "between",     labels, "",  0, 0,   false, nullptr, "all that no joint connects", "names of two that touch, bodies or planes",
+  {"contacts", "between",     labels, "",  0, 0,   false, nullptr, "all that no joint connects", "names of two that touch: bodies, planes, or shapes of a body as body.shape",
       [](D& d, S&, const V& v) { d.contacts.back().between = v.words; }, 2},
   {"contacts", "restitution", number, "",  0, 1,   false, nullptr, "0", "speed after an impact over speed before",
       [](D& d, S&, const V& v) { d.contacts.back().restitution = v.number; }},
   {"contacts", "friction",    number, "",  0, 1e9, false, nullptr, "none", "coefficient of friction",
       [](D& d, S&, const V& v) { d.contacts.back().friction = v.number; }},
+  {"contacts", "erp",         number, "",  0, 1,   false, nullptr, "that of ode", "error reduction parameter of these contacts, with cfm",
+      [](D& d, S&, const V& v) { softness_of(d).erp = v.number; }},
+  {"contacts", "cfm",         number, "",  0, 1e3, false, nullptr, "that of ode", "constraint force mixing of these contacts, with erp",
+      [](D& d, S&, const V& v) { softness_of(d).cfm = v.number; }},
+  {"contacts", "kp",          number, "N/m",   0, 1e12, false, nullptr, "none", "spring of each point that touches, with kd",
+      [](D& d, S&, const V& v) { spring_of(d).kp_N_m = v.number; }},
+  {"contacts", "kd",          number, "N s/m", 0, 1e12, false, nullptr, "none", "damper of each point that touches, with kp",
+      [](D& d, S&, const V& v) { spring_of(d).kd_Ns_m = v.number; }},
   {"struts", "parent",    label,   "",      0, 0,      false, nullptr, "", "name of a body, or world",
       [](D& d, S&, const V& v) { d.struts.back().parent = v.word; }},
   {"struts", "child",     label,   "",      0, 0,      false, nullptr, "", "name of the body at the other end",

@@ -74,9 +74,10 @@ std::string bounce_line(const std::vector<RunSummary>& runs) {
   if (std::ranges::none_of(runs, told)) return "";
   const std::vector<Contact>& contacts = scenario.mechanism.contacts;
   const auto bounce_of = [&](const Contact& contact) { return scenario.ode.bounce.value_or(contact.restitution); };
-  const auto other =
-      std::ranges::find_if(contacts, [&](const Contact& contact) { return bounce_of(contact) != contact.restitution; });
-  const bool bounces = std::ranges::any_of(contacts, [&](const Contact& contact) { return bounce_of(contact) > 0; });
+  const auto other = std::ranges::find_if(
+      contacts, [&](const Contact& contact) { return !contact.spring && bounce_of(contact) != contact.restitution; });
+  const bool bounces =
+      std::ranges::any_of(contacts, [&](const Contact& contact) { return !contact.spring && bounce_of(contact) > 0; });
   std::string text;
   if (other != contacts.end()) {
     text += fmt::format("ODE bounces with {:g}, the reference with {:g}", bounce_of(*other), other->restitution);

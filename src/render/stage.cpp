@@ -26,10 +26,10 @@ struct SolidOf {
 std::unique_ptr<Stage> make_solid_stage(const Mechanism& mechanism, std::span<const Pose> shown) {
   std::vector<Solid> solids;
   for (std::size_t i = 0; i < mechanism.bodies.size(); ++i) {
-    for (const auto& [shape, place] : mechanism.bodies[i].parts()) {
-      Solid solid = std::visit(SolidOf{}, shape);
-      solid.place = {place.position_m, axis_of(place.rotation, 2), axis_of(place.rotation, 0),
-                     axis_of(place.rotation, 1)};
+    for (const Part& part : mechanism.bodies[i].parts()) {
+      const auto& [at, turn] = part.place;
+      Solid solid = std::visit(SolidOf{}, part.shape);
+      solid.place = {at, axis_of(turn, 2), axis_of(turn, 0), axis_of(turn, 1)};
       solid.body = i;
       solids.push_back(solid);
     }

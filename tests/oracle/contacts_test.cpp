@@ -58,6 +58,19 @@ Scenario several_on_rail(double restitution) {
   return scenario;
 }
 
+/// The same, of which each shape touches in a way of its own: the ball bounces, the box does not, and another box that
+/// lies 0.4 m lower touches nothing.
+Scenario named_shapes_on_rail(double restitution) {
+  Scenario scenario = several_on_rail(restitution);
+  std::vector<Part>& parts = scenario.mechanism.bodies[0].several;
+  parts[0].name = "foot";
+  parts[1].name = "arm";
+  parts.insert(parts.begin(), Part{Box{{0.2, 0.4, 0.1}}, {{0.7, 0, 0}}, "ghost"});
+  scenario.mechanism.contacts = {{.restitution = 0, .first = "floor", .second = "ball.arm"},
+                                 {.restitution = restitution, .first = "ball.foot", .second = "floor"}};
+  return scenario;
+}
+
 /// The same, held by a second rail beside the first: a loop, of which the other rail implies everything.
 Scenario ball_on_two_rails(double restitution) {
   Scenario scenario = ball_on_rail(restitution);
@@ -205,6 +218,24 @@ void what_is_not_followed() {
   CHECK(reference::is_tree(scenario));
 }
 
+/// An ERP and a CFM of a contact are numbers of ODE's, of which reference and second formulation know nothing; a spring
+/// is another motion.
+void softness_of_contacts() {
+  Scenario scenario = ball_on_rail(0.8);
+  scenario.duration_s = 0.6;
+  scenario.mechanism.contacts[0].softness = Softness{0.3, 1e-2};
+  CHECK(reference::is_tree(scenario));
+  const SampleGrid grid{1e-3, 10, 61};
+  Reference reference = reference::solve_tree(scenario, grid);
+  const std::string before = reference.origin;
+  catalogue::confirm(reference, scenario, grid);
+  std::printf("%s\n", reference.origin.substr(before.size()).c_str());
+  CHECK(reference.origin.find("a second formulation, the accurate step of order 8") != std::string::npos);
+  scenario.mechanism.contacts[0].spring = Spring{1000, 10};
+  scenario.mechanism.contacts[0].softness.reset();
+  CHECK(!reference::is_tree(scenario));
+}
+
 }  // namespace
 
 int main() {
@@ -212,9 +243,11 @@ int main() {
   a_ball_on_a_floor(ball_on_two_rails(0.8));
   a_ball_on_a_floor(capsule_on_rail(0.8));
   a_ball_on_a_floor(several_on_rail(0.8));
+  a_ball_on_a_floor(named_shapes_on_rail(0.8));
   the_wall_pendulum();
   a_cradle();
   balls_in_a_row();
   what_is_not_followed();
+  softness_of_contacts();
   return test::verdict();
 }

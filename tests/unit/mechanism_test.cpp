@@ -53,6 +53,11 @@ void a_contact_is_between_whom_it_names() {
   const Contact pair{.first = "a", .second = "b"};
   CHECK(pair.is_between("a", "b") && pair.is_between("b", "a"));
   CHECK(!pair.is_between("a", "c") && !pair.is_between("c", "b") && !pair.is_between("a", "a"));
+  const Contact shape{.first = "b.foot", .second = "a"};
+  CHECK(shape.is_between("b.foot", "a") && shape.is_between("a", "b.foot"));
+  CHECK(!shape.is_between("b", "a") && !shape.is_between("b.foot2", "a") && !shape.is_between("b.head", "a"));
+  CHECK(pair.is_between("a.head", "b") && pair.is_between("b.foot", "a.head"));
+  CHECK(!pair.is_between("a2", "b") && !pair.is_between("a", "a.head") && any.is_between("a.head", "b"));
   for (const Contact& with_all : {Contact{.first = "a"}, Contact{.second = "a"}}) {
     CHECK(with_all.is_between("a", "b") && with_all.is_between("b", "a"));
     CHECK(!with_all.is_between("b", "c"));
@@ -252,6 +257,10 @@ std::string_view words_of(Feature feature) {
       return "stops of turns of joints universal and pu";
     case Feature::plane_motors:
       return "motors of joints plane2d";
+    case Feature::soft_contacts:
+      return "contacts with erp and cfm of their own";
+    case Feature::sprung_contacts:
+      return "contacts with kp and kd of their own";
   }
   return "";
 }

@@ -29,13 +29,13 @@ const std::string arm = R"(<robot name="arm">
   <link name="upper">
     <inertial><origin xyz="0.1 0.02 0.3" rpy="0.3 0.4 0.5"/><mass value="2"/>
       <inertia ixx="0.02" iyy="0.03" izz="0.04" ixy="0.001" ixz="0.002" iyz="-0.003"/></inertial>
-    <collision><origin xyz="0 0 0.25"/><geometry><box size="0.1 0.2 0.5"/></geometry></collision>
+    <collision name="skin"><origin xyz="0 0 0.25"/><geometry><box size="0.1 0.2 0.5"/></geometry></collision>
     <visual><geometry><box size="1 1 1"/></geometry></visual>
   </link>
   <link name="bracket">
     <inertial><origin xyz="0 0 0.1" rpy="0 0 1.0"/><mass value="0.5"/>
       <inertia ixx="0.002" iyy="0.003" izz="0.004" ixy="0" ixz="0" iyz="0"/></inertial>
-    <collision><origin xyz="0 0 0.1"/><geometry><cylinder radius="0.05" length="0.3"/></geometry></collision></link>
+    <collision name="tube"><origin xyz="0 0 0.1"/><geometry><cylinder radius="0.05" length="0.3"/></geometry></collision></link>
   <link name="mark"/>
   <link name="fore">
     <inertial><origin xyz="0.2 0 0" rpy="0 0.7 0"/><mass value="1"/>
@@ -181,6 +181,8 @@ void an_arm_is_what_its_file_says() {
   CHECK_EQUAL(std::get<Cylinder>(upper.parts()[1].shape).length_m, 0.3);
   check_near(upper.parts()[1].place.position_m, bracket - centre, rounding);
   check_near(axis_of(upper.parts()[1].place.rotation, 2), up, 4 * rounding);
+  CHECK_EQUAL(upper.touches_as(upper.parts()[0]), "upper.skin");
+  CHECK_EQUAL(upper.touches_as(upper.parts()[1]), "upper.tube");
   CHECK_EQUAL(body(scenario, "fore").parts().size(), 1u);  // has none: the box that has its moments
 
   const Joint& shoulder = joint(scenario, "shoulder");
@@ -262,6 +264,7 @@ void a_world_is_what_its_file_says() {
   check_near(hull.parts()[0].place.position_m, {-0.1, 0, 0}, 1e-15);
   CHECK_EQUAL(std::get<Sphere>(hull.parts()[1].shape).diameter_m, 0.2);
   check_near(hull.parts()[1].place.position_m, {0.1, 0, 0}, 1e-15);
+  CHECK(hull.parts()[0].name == "a" && hull.parts()[1].name == "b");
 }
 
 std::size_t told(const Imported& imported, const std::string& what) {

@@ -173,7 +173,7 @@ void HeldPair::push(double force) const {
 }
 
 HingeWorld::HingeWorld(const Scenario& scenario, double step_s)
-    : meeting_(scenario.mechanism), step_s_(btScalar(step_s)), bodies_(scenario.mechanism.bodies.size()) {
+    : meeting_(scenario.mechanism, step_s), step_s_(btScalar(step_s)), bodies_(scenario.mechanism.bodies.size()) {
   meeting_.open(world_, configuration_);
   world_.setGravity(btVector3(0, 0, btScalar(-scenario.gravity)));
   set(world_.getSolverInfo(), scenario.bullet);

@@ -22,18 +22,30 @@ bool set_surface(btManifoldPoint& point, const btCollisionObjectWrapper* first, 
   point.m_combinedFriction = btScalar(contact->friction ? contact->friction->limit : 0);
   point.m_combinedRollingFriction = 0;
   point.m_combinedSpinningFriction = 0;
+  if (contact->softness) {
+    point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_ERP | BT_CONTACT_FLAG_HAS_CONTACT_CFM;
+    point.m_contactERP = btScalar(contact->softness->erp);
+    point.m_contactCFM = btScalar(contact->softness->cfm);
+  }
   return true;
 }
 
 /// Of a point that is apart, which Bullet did not solve for, the impulse is one of an earlier step.
 bool presses(const btManifoldPoint& point) { return point.getDistance() <= 0 && point.getAppliedImpulse() > 0; }
 
+/// Bullet's ERP and CFM of a contact are ODE's: m/s that 1 N opens a row by, and it makes stiffness and damping into
+/// them by the same equations (btSequentialImpulseConstraintSolver::setupContactConstraint).
+Mechanism at_step(Mechanism mechanism, double step_s) {
+  for (Contact& contact : mechanism.contacts) contact.softness = contact.softness_at(step_s);
+  return mechanism;
+}
+
 btVector3 half(const Vec3& sides) { return bullet(0.5 * sides); }
 
 }  // namespace
 
-Meeting::Meeting(const Mechanism& mechanism)
-    : touching_(mechanism), obstacles_(mechanism.obstacles), bodies_(mechanism.bodies.size()) {}
+Meeting::Meeting(const Mechanism& mechanism, double step_s)
+    : touching_(at_step(mechanism, step_s)), obstacles_(mechanism.obstacles), bodies_(mechanism.bodies.size()) {}
 
 btCollisionShape* Meeting::keep(std::unique_ptr<btCollisionShape> shape) {
   return shapes_.emplace_back(std::move(shape)).get();

@@ -1,5 +1,5 @@
 #pragma once
-// What touches in Bullet: shapes, who meets whom, and with how much bounce and friction.
+// What touches in Bullet: shapes, who meets whom, and with how much bounce, friction and softness.
 #include <btBulletDynamicsCommon.h>
 
 #include <memory>
@@ -14,7 +14,7 @@ namespace odeval::engine_bullet {
 /// Of one world, which it outlives. Where nothing touches it does nothing, and every shape is an empty one.
 class Meeting final : public btOverlapFilterCallback {
  public:
-  explicit Meeting(const Mechanism& mechanism);
+  Meeting(const Mechanism& mechanism, double step_s);
   Meeting(const Meeting&) = delete;
   Meeting& operator=(const Meeting&) = delete;
 

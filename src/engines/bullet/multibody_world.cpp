@@ -22,7 +22,10 @@ int links_of(const Hanging& hanging) {
 }  // namespace
 
 MultibodyWorld::MultibodyWorld(const Scenario& scenario, double step_s, bool rk4)
-    : meeting_(scenario.mechanism), step_s_(btScalar(step_s)), rk4_(rk4), bodies_(scenario.mechanism.bodies.size()) {
+    : meeting_(scenario.mechanism, step_s),
+      step_s_(btScalar(step_s)),
+      rk4_(rk4),
+      bodies_(scenario.mechanism.bodies.size()) {
   meeting_.open(world_, configuration_);
   world_.setGravity(btVector3(0, 0, btScalar(-scenario.gravity)));
   set(world_.getSolverInfo(), scenario.bullet);

@@ -35,12 +35,18 @@ void lay_along_sliding(dContact& contact, dBodyID body1, dBodyID body2) {
   for (std::size_t k = 0; k < 3; ++k) contact.fdir1[k] = real(slip[k] / speed);
 }
 
-// Without friction mu is 0, and there is nothing to share, approximate or lay.
-Surface surface_of(const Contact& contact, const OdeSettings& ode) {
+// Without friction mu is 0, and there is nothing to share, approximate or lay. What a spring and a damper give back is
+// theirs, whatever [ode] says of bounces.
+Surface surface_of(const Contact& contact, const OdeSettings& ode, double step_s) {
   Surface surface;
-  surface.parameters.mode = dContactBounce;
-  surface.parameters.bounce = real(ode.bounce.value_or(contact.restitution));
+  surface.parameters.mode = contact.spring ? 0 : dContactBounce;
+  surface.parameters.bounce = real(contact.spring ? 0 : ode.bounce.value_or(contact.restitution));
   surface.parameters.bounce_vel = real(ode.bounce_vel);
+  if (const std::optional<Softness> own = contact.softness_at(step_s)) {
+    surface.parameters.mode |= dContactSoftERP | dContactSoftCFM;
+    surface.parameters.soft_erp = real(own->erp);
+    surface.parameters.soft_cfm = real(own->cfm);
+  }
   if (!contact.friction) return surface;
   surface.parameters.mu = real(contact.friction->limit);
   surface.shared = contact.friction->model == FrictionModel::constant;
@@ -60,17 +66,27 @@ bool has_libccd() {
   return found > 0;
 }
 
+/// Whether a cylinder of the one may touch a bar of the other.
+bool meet(const std::vector<Contact>& contacts, const Body& first, const Body& second) {
+  const auto may_touch = [&](const Part& one, const Part& other) {
+    return std::ranges::any_of(contacts, [&](const Contact& contact) {
+      return contact.is_between(first.touches_as(one), second.touches_as(other));
+    });
+  };
+  for (const Part& one : first.parts()) {
+    if (!std::holds_alternative<Cylinder>(one.shape)) continue;
+    for (const Part& other : second.parts()) {
+      if (is_bar(other.shape) && may_touch(one, other)) return true;
+    }
+  }
+  return false;
+}
+
 /// Throws UserError for bodies that should touch and would pass through each other.
 void check_shapes(const Mechanism& mechanism) {
-  const auto has = [](const Body& body, auto is) {
-    return std::ranges::any_of(body.parts(), [&](const Part& part) { return is(part.shape); });
-  };
-  const auto is_cylinder = [](const Shape& shape) { return std::holds_alternative<Cylinder>(shape); };
   for (const Body& first : mechanism.bodies) {
-    if (!has(first, is_cylinder)) continue;
     for (const Body& second : mechanism.bodies) {
-      const auto is_it = [&](const Contact& contact) { return contact.is_between(first.name, second.name); };
-      if (&first == &second || !has(second, is_bar) || std::ranges::none_of(mechanism.contacts, is_it)) continue;
+      if (&first == &second || !meet(mechanism.contacts, first, second)) continue;
       if (has_libccd()) return;
       throw UserError(
           "bodies '" + first.name + "' and '" + second.name +
@@ -140,8 +156,12 @@ void Scene::add_mechanism(const Scenario& scenario) {
   std::vector<dBodyID> bodies;
   for (const Body& what : mechanism.bodies) {
     const dBodyID body = bodies.emplace_back(make_body(world_, space_, what, scenario.ode));
-    for (dGeomID geom = dBodyGetFirstGeom(body); geom != nullptr; geom = dBodyGetNextGeom(geom))
-      number(geom, what.name);
+    // ODE puts a body's newest geom first.
+    std::vector<Part> parts = what.parts();
+    for (dGeomID geom = dBodyGetFirstGeom(body); geom != nullptr; geom = dBodyGetNextGeom(geom)) {
+      number(geom, what.touches_as(parts.back()));
+      parts.pop_back();
+    }
     bodies_.push_back(
         {dBodyGetPosition(body), dBodyGetRotation(body), dBodyGetLinearVel(body), dBodyGetAngularVel(body)});
   }
@@ -172,7 +192,7 @@ void Scene::set_surfaces(const Scenario& scenario) {
   const std::vector<Contact>& contacts = scenario.mechanism.contacts;
   if (contacts.empty()) return;
   check_shapes(scenario.mechanism);
-  for (const Contact& contact : contacts) surfaces_.push_back(surface_of(contact, scenario.ode));
+  for (const Contact& contact : contacts) surfaces_.push_back(surface_of(contact, scenario.ode, scenario.step_s));
   for (const std::string& first : names_) {
     for (const std::string& second : names_) {
       const auto found =

@@ -206,6 +206,7 @@ class Reading {
       auto pose = collision.RawPose();
       must(collision.SemanticPose().Resolve(pose));
       solid.frame = frame_of(pose);
+      solid.name = collision.Name();
       made.solids.push_back(std::move(solid));
     }
   }

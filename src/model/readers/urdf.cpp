@@ -78,6 +78,7 @@ Robot::Link link_of(const urdf::Link& link) {
     if (!collision || !collision->geometry) continue;
     Robot::Solid solid = SolidOf{}(*collision->geometry);
     solid.frame = ours(collision->origin);
+    solid.name = collision->name;
     made.solids.push_back(std::move(solid));
   }
   return made;
