@@ -247,6 +247,8 @@ BodyState state_of(const BodyColumns& body, std::size_t row) {
 
 /// Of each joint with one motion: where it stands at t = 0, from as the file draws it.
 std::vector<double> starts_in_file(const Scenario& scenario) {
+  const auto closed = std::ranges::find(scenario.definition, "closed_at_start.q", &Definition::value_type::first);
+  if (closed != scenario.definition.end()) return std::get<std::vector<double>>(closed->second);
   std::vector<double> starts(scenario.mechanism.joints.size());
   for (std::size_t j = 0; j < starts.size(); ++j) {
     const std::string key = "joints." + std::to_string(j) + ".q";

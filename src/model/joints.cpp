@@ -306,22 +306,6 @@ void check_loads(const Draft& draft, const char* list, const std::vector<LoadTab
   }
 }
 
-/// What a joint moves must hang on it alone.
-void check_loops(const Draft& draft) {
-  if (!moves_at_start(draft.said)) return;
-  const std::optional<std::size_t> closing = closes_a_loop(draft.said);
-  if (!closing) return;
-  for (std::size_t i = 0; i < draft.said.joints.size(); ++i) {
-    for (const char* key : {"q", "qd"}) {
-      if (!draft.tree["joints"][i].as_table()->contains(key)) continue;
-      draft.fail(path_of("joints", i, key), "",
-                 fmt::format("has no meaning where joints close a loop, as joint '{}' does; draw the start itself",
-                             draft.said.joints[*closing].name),
-                 Draft::Blame::parts);
-    }
-  }
-}
-
 /// Whether a body hangs on the world by nothing.
 bool something_flies(const Mechanism& mechanism) {
   std::vector<bool> hangs(mechanism.bodies.size());
@@ -339,22 +323,19 @@ bool something_flies(const Mechanism& mechanism) {
 
 /// Something can move, and moves at first as the joints let it.
 void check_start(const Draft& draft) {
-  check_loops(draft);
   Scenario made;
-  put_bodies(made, draft.said);
+  try {
+    put_bodies(made, draft.said);
+  } catch (const BadStart& bad) {
+    const std::string table = fmt::format("joints.{}", bad.joint);
+    draft.fail(bad.key_at_fault.empty() ? table : joined(table, bad.key_at_fault), "", bad.what(),
+               bad.key_at_fault.empty() ? Draft::Blame::whole : Draft::Blame::parts);
+  }
   const Mechanism& mechanism = made.mechanism;
   std::size_t free = something_flies(mechanism) ? 1 : 0;
-  for (std::size_t i = 0; i < mechanism.joints.size(); ++i) {
-    const Freedom freedom = freedom_of(mechanism.joints[i].kind);
+  for (const Joint& joint : mechanism.joints) {
+    const Freedom freedom = freedom_of(joint.kind);
     free += freedom.ways.size() + freedom.turns.size();
-    const Misfit misfit = misfit_of(mechanism, mechanism.joints[i]);
-    if (std::fmax(misfit.speed_m_s, misfit.spin_rad_s) <= allowed_misfit(mechanism)) continue;
-    draft.fail(
-        fmt::format("joints.{}", i), "",
-        fmt::format("does not allow the velocity and spin with which bodies.{} '{}' starts beside '{}': they part by "
-                    "{:.3g} m/s and {:.3g} rad/s",
-                    draft.said.body_named(draft.said.joints[i].child).value(), draft.said.joints[i].child,
-                    draft.said.joints[i].parent, misfit.speed_m_s, misfit.spin_rad_s));
   }
   if (free == 0) draft.fail("joints", "", "leave nothing that can move; one of another kind than fixed is wanted");
 }

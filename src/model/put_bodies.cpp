@@ -152,27 +152,20 @@ std::vector<Load> loads_of(const std::string& joint, std::size_t motion, const s
   return loads;
 }
 
-/// What counts from where a joint is drawn, counted from where it starts.
-Joint from_start(Joint joint, double q) {
-  if (joint.stop) *joint.stop = {joint.stop->low - q, joint.stop->high - q, joint.stop->restitution};
-  for (JointSpring& spring : joint.springs) spring.rest -= q;
-  for (Controller& controller : joint.controllers) controller.target.constant -= q;
-  return joint;
-}
-
 /// A joint that only this motion is told of.
 Joint told_of(const Description& said, const JointTable& table, std::size_t motion) {
   const std::size_t k = motion == 0 ? 0 : motion - 1;
-  const Joint drawn{.kind = table.kind->make(table),
-                    .first = 0,
-                    .second = {},
-                    .motor = table.motors[k],
-                    .stop = table.stops[k],
-                    .springs = loads_of(table.name, motion, said.springs),
-                    .torques = loads_of(table.name, motion, said.torques),
-                    .controllers = loads_of(table.name, motion, said.controllers),
-                    .name = table.name};
-  return from_start(drawn, start_of(table, k));
+  Joint joint{.kind = table.kind->make(table),
+              .first = 0,
+              .second = {},
+              .motor = table.motors[k],
+              .stop = table.stops[k],
+              .springs = loads_of(table.name, motion, said.springs),
+              .torques = loads_of(table.name, motion, said.torques),
+              .controllers = loads_of(table.name, motion, said.controllers),
+              .name = table.name};
+  count_from(joint, start_of(table, k));
+  return joint;
 }
 
 /// Of a kind with several motions, told the other way round where the parent is a body. The axes of a universal joint
@@ -242,6 +235,19 @@ void put_contacts(Mechanism& mechanism, const Description& said) {
   }
 }
 
+void tell(const MendedStart& mended, Definition& definition) {
+  if (!mended.body.empty()) {
+    definition.emplace_back("changed_at_start.velocity", mended.speed_m_s);
+    definition.emplace_back("changed_at_start.spin", mended.spin_rad_s);
+    definition.emplace_back("changed_at_start.body", mended.body);
+  }
+  if (mended.joint.empty()) return;
+  definition.emplace_back("closed_at_start.turn", mended.turned_rad);
+  definition.emplace_back("closed_at_start.way", mended.moved_m);
+  definition.emplace_back("closed_at_start.joint", mended.joint);
+  definition.emplace_back("closed_at_start.q", mended.q);
+}
+
 }  // namespace
 
 HalfSpace sloping(double slope_rad) { return {{std::sin(slope_rad), 0, std::cos(slope_rad)}, 0}; }
@@ -272,7 +278,7 @@ void put_bodies(Scenario& scenario, const Description& description) {
     scenario.mechanism.struts.push_back(strut_of(description, table));
   }
   if (description.ground) put_ground(scenario, *description.ground, description.problem->friction);
-  if (moves_at_start(description)) move_to_start(scenario.mechanism, description);
+  if (!description.joints.empty()) tell(bring_to_start(scenario.mechanism, description), scenario.definition);
 }
 
 }  // namespace odeval

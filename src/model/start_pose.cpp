@@ -1,145 +1,68 @@
 #include "model/start_pose.hpp"
 
+#include <fmt/format.h>
+
+#include <Eigen/QR>
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
 #include <numeric>
 
+#include "model/joint_motions.hpp"
 #include "model/rotation_vector.hpp"
+#include "odeval/ways.hpp"
 
 namespace odeval {
 namespace {
 
-/// One motion of a joint as it is drawn: about an axis through a point, or along it.
-struct Elementary {
-  bool slides = false;
-  Vec3 axis{};
-  Vec3 at_m{};
-  std::size_t number = 0;  // in the file's lists, from 0
-};
+bool says(const JointTable& joint) { return !joint.q.empty() || !joint.qd.empty(); }
 
-/// The motions of a joint, each carried by those before it, the first by the parent. On the world a way lies in the
-/// child, and is the last.
-struct FromParent {
-  const JointTable& table;
-  bool on_world;
-  const Vec3& centre_m;  // of the child
+/// The motions of one joint, and where each of them is.
+struct Across {
+  std::vector<Elementary> motions;
+  std::vector<double> q;
+  bool follows = false;  // found, not said
 
-  using List = std::vector<Elementary>;
-  Elementary turn(const Vec3& axis, std::size_t number) const { return {false, axis, table.anchor_m, number}; }
-  Elementary way(const Vec3& axis) const { return {true, axis, table.anchor_m, 0}; }
-
-  List operator()(const BallJoint&) const { return {}; }
-  List operator()(const FixedJoint&) const { return {}; }
-  List operator()(const HingeJoint&) const { return {turn(table.axis, 0)}; }
-  List operator()(const SliderJoint&) const { return {way(table.axis)}; }
-  List operator()(const UniversalJoint&) const { return {turn(table.axis, 0), turn(table.axis2, 1)}; }
-  List operator()(const Hinge2Joint&) const { return {turn(table.axis, 0), turn(table.axis2, 1)}; }
-  List operator()(const PistonJoint&) const { return {way(table.axis), turn(table.axis, 1)}; }
-  List operator()(const SlidingHingeJoint&) const {
-    List list{way(table.axis), turn(table.axis2, 1)};
-    if (on_world) std::ranges::rotate(list, list.begin() + 1);
-    return list;
+  Frame moved() const {
+    Frame all;
+    for (std::size_t k = 0; k < motions.size(); ++k) all = all * motions[k].by(q[k]);
+    return all;
   }
-  List operator()(const SlidingUniversalJoint&) const {
-    List list{way(table.axis), turn(table.axis2, 1), turn(table.axis3, 2)};
-    if (on_world) std::ranges::rotate(list, list.begin() + 1);
-    return list;
-  }
-  List operator()(const PlaneJoint&) const {
-    return {{true, {1, 0, 0}, centre_m, 0}, {true, {0, 1, 0}, centre_m, 1}, {false, {0, 0, 1}, centre_m, 2}};
-  }
-};
-
-/// A velocity of what is rigid: its spin, and how fast the point of it moves that is where the origin is.
-struct Twist {
-  Vec3 spin{};
-  Vec3 origin{};
-
-  friend Twist operator+(const Twist& a, const Twist& b) { return {a.spin + b.spin, a.origin + b.origin}; }
-  friend Twist operator*(double s, const Twist& a) { return {s * a.spin, s * a.origin}; }
-  friend Twist operator-(const Twist& a, const Twist& b) { return a + -1.0 * b; }
-};
-
-Twist moved(const Frame& by, const Twist& twist) {
-  const Vec3 spin = turned(by.rotation, twist.spin);
-  return {spin, turned(by.rotation, twist.origin) + cross(by.position_m, spin)};
-}
-
-Vec3 place(const Frame& moved, const Vec3& point) { return moved.position_m + turned(moved.rotation, point); }
-
-Frame by(const Elementary& one, double q) {
-  if (one.slides) return {q * one.axis, Frame{}.rotation};
-  const Rotation turn = rotation_about(one.axis, q);
-  return {one.at_m - turned(turn, one.at_m), turn};
-}
-
-/// At a rate of 1, as it is drawn.
-Twist twist_of(const Elementary& one) {
-  return one.slides ? Twist{{}, one.axis} : Twist{one.axis, cross(one.at_m, one.axis)};
-}
-
-/// Of a motion in a relative velocity, as it is drawn: a joint's turns are at right angles to each other, and so are
-/// its ways.
-double rate_in(const Twist& between, const Elementary& one) {
-  return dot(one.axis, one.slides ? between.origin + cross(between.spin, one.at_m) : between.spin);
-}
-
-double said_in(const std::vector<double>& list, std::size_t number) { return list.empty() ? 0 : list[number]; }
-
-struct CarryKind {
-  const Frame& first;
-  const Frame& second;  // where an anchor goes with, also of the world
-
-  void operator()(BallJoint& joint) const { carry(joint.anchor_m); }
-  void operator()(FixedJoint& joint) const { carry(joint.anchor_m); }
-  void operator()(HingeJoint& joint) const { carry(joint.anchor_m), turn(second, joint.axis); }
-  void operator()(SliderJoint& joint) const { carry(joint.anchor_m), turn(second, joint.axis); }
-  void operator()(PistonJoint& joint) const { carry(joint.anchor_m), turn(second, joint.axis); }
-  void operator()(UniversalJoint& joint) const {
-    carry(joint.anchor_m), turn(first, joint.axis1), turn(second, joint.axis2);
-  }
-  void operator()(Hinge2Joint& joint) const {
-    carry(joint.anchor_m), turn(first, joint.axis1), turn(second, joint.axis2);
-  }
-  void operator()(SlidingHingeJoint& joint) const {
-    carry(joint.anchor_m), turn(first, joint.axis1), turn(second, joint.axis2);
-  }
-  void operator()(SlidingUniversalJoint& joint) const {
-    carry(joint.anchor_m), turn(first, joint.way), turn(first, joint.axis1), turn(second, joint.axis2);
-  }
-  void operator()(PlaneJoint& joint) const { joint.anchor_m = place(first, joint.anchor_m); }
-
- private:
-  void carry(Vec3& anchor) const { anchor = place(second, anchor); }
-  static void turn(const Frame& by, Vec3& axis) { axis = turned(by.rotation, axis); }
 };
 
 /// What a mechanism is moved by, body by body, from what carries it to what it carries.
 class Mover {
  public:
   Mover(Mechanism& mechanism, const std::vector<JointTable>& tables)
-      : mechanism_(mechanism), tables_(tables), moved_(mechanism.bodies.size()) {
+      : mechanism_(mechanism), tables_(tables), moved_(mechanism.bodies.size()), in_tree_(tables.size()) {
     for (std::size_t i = 0; i < moved_.size(); ++i) {
       const Body& body = mechanism.bodies[i];
       moved_[i].drawn = {body.spin_rad_s, body.velocity_m_s + cross(body.position_m, body.spin_rad_s)};
       moved_[i].twist = moved_[i].drawn;
     }
+    for (std::size_t j = 0; j < tables.size(); ++j) {
+      const Joint& joint = mechanism.joints[j];
+      Across& across = across_.emplace_back();
+      across.motions = motions_of(tables[j], joint.kind, mechanism.bodies[joint.carried()].position_m);
+      across.q.resize(across.motions.size());
+    }
+    choose_tree();
+    order();
   }
 
-  void run() {
-    for (std::size_t j = 0; j < tables_.size(); ++j) {
-      if (!parent_of(j)) reach(child_of(j), j, true);
+  MendedStart run() {
+    MendedStart mended;
+    if (closing_.empty()) {
+      set_said(1);
+      place();
+    } else {
+      close(mended);
     }
-    walk();
-    // What flies hangs on the first body of it that is no joint's child.
-    for (const bool children_too : {false, true}) {
-      for (std::size_t i = 0; i < moved_.size(); ++i) {
-        if (moved_[i].reached || (!children_too && is_child(i))) continue;
-        moved_[i].reached = true;
-        queue_.push_back(i);
-        walk();
-      }
-    }
+    speed_up();
     write();
+    if (!closing_.empty()) hold_rates();
+    return mended;
   }
 
  private:
@@ -150,64 +73,323 @@ class Mover {
     bool reached = false;
     bool touched = false;
   };
+  /// A body, and the joint through which it is reached; none for the first of what flies.
+  struct Step {
+    std::size_t body;
+    std::optional<std::size_t> joint;
+    bool from_parent = true;
+  };
+  /// What keeps a loop open.
+  struct Opening {
+    Vec3 gap_m{};
+    Vec3 turn_rad{};
+  };
+  struct Unknown {
+    std::size_t joint;
+    std::size_t motion;
+  };
 
   std::size_t child_of(std::size_t joint) const { return mechanism_.joints[joint].carried(); }
   std::optional<std::size_t> parent_of(std::size_t joint) const {
     const Joint& what = mechanism_.joints[joint];
     return what.second ? std::optional(what.first) : std::nullopt;
   }
-  bool is_child(std::size_t body) const {
-    for (std::size_t j = 0; j < tables_.size(); ++j) {
-      if (child_of(j) == body) return true;
+
+  /// Those that say where they start before the others: what closes a loop then is one that says nothing.
+  void choose_tree() {
+    const std::size_t world = moved_.size();
+    std::vector<std::size_t> leader(world + 1);
+    std::iota(leader.begin(), leader.end(), std::size_t{0});
+    const auto leader_of = [&](std::size_t member) {
+      while (leader[member] != member) member = leader[member];
+      return member;
+    };
+    for (const bool saying : {true, false}) {
+      for (std::size_t j = 0; j < tables_.size(); ++j) {
+        if (says(tables_[j]) != saying) continue;
+        const std::size_t from = leader_of(parent_of(j).value_or(world));
+        const std::size_t to = leader_of(child_of(j));
+        in_tree_[j] = from != to;
+        leader[from] = to;
+        if (from == to) closing_.push_back(j);
+      }
     }
-    return false;
+    for (const std::size_t j : closing_) {
+      if (!says(tables_[j])) continue;
+      throw BadStart(j, tables_[j].q.empty() ? "qd" : "q",
+                     "is one too many: all other joints of a loop say theirs, and it follows from them; remove it");
+    }
   }
 
-  void walk() {
-    for (; next_ < queue_.size(); ++next_) {
-      const std::size_t body = queue_[next_];
-      for (std::size_t j = 0; j < tables_.size(); ++j) {
-        const std::optional<std::size_t> parent = parent_of(j);
-        if (!parent) continue;
-        if (*parent == body) reach(child_of(j), j, true);
-        if (child_of(j) == body) reach(*parent, j, false);
+  void order() {
+    const auto reach = [&](std::size_t body, std::optional<std::size_t> joint, bool from_parent) {
+      if (moved_[body].reached) return;
+      moved_[body].reached = true;
+      order_.push_back({body, joint, from_parent});
+    };
+    std::vector<bool> is_child(moved_.size());
+    for (std::size_t j = 0; j < tables_.size(); ++j) {
+      is_child[child_of(j)] = true;
+      if (in_tree_[j] && !parent_of(j)) reach(child_of(j), j, true);
+    }
+    std::size_t next = 0;
+    const auto walk = [&] {
+      for (; next < order_.size(); ++next) {
+        const std::size_t body = order_[next].body;
+        for (std::size_t j = 0; j < tables_.size(); ++j) {
+          const std::optional<std::size_t> parent = parent_of(j);
+          if (!in_tree_[j] || !parent) continue;
+          if (*parent == body) reach(child_of(j), j, true);
+          if (child_of(j) == body) reach(*parent, j, false);
+        }
+      }
+    };
+    walk();
+    // What flies hangs on the first body of it that is no joint's child.
+    for (const bool children_too : {false, true}) {
+      for (std::size_t i = 0; i < moved_.size(); ++i) {
+        if (!children_too && is_child[i]) continue;
+        reach(i, std::nullopt, true);
+        walk();
       }
     }
   }
 
-  /// A body through a joint, of which the other one is where it starts.
-  void reach(std::size_t body, std::size_t joint, bool from_parent) {
-    Moved& here = moved_[body];
-    if (here.reached) return;
-    here.reached = true;
-    queue_.push_back(body);
-    const JointTable& table = tables_[joint];
-    const std::optional<std::size_t> parent = parent_of(joint);
-    static const Moved world;
-    const Moved& other = from_parent ? (parent ? moved_[*parent] : world) : moved_[child_of(joint)];
-    here.touched = other.touched || !table.q.empty() || !table.qd.empty();
-    if (!here.touched) return;
-
-    const Vec3& centre = mechanism_.bodies[child_of(joint)].position_m;
-    const std::vector<Elementary> motions =
-        std::visit(FromParent{table, !parent, centre}, mechanism_.joints[joint].kind);
-    Frame across;
-    for (const Elementary& one : motions) across = across * by(one, said_in(table.q, one.number));
-    here.by = from_parent ? other.by * across : other.by * inverse(across);
-
-    Frame at = from_parent ? other.by : here.by;
-    const Twist drawn = from_parent ? here.drawn - other.drawn : other.drawn - here.drawn;
-    Twist rest = drawn;
-    Twist between;
-    const Frame parent_by = at;
-    for (const Elementary& one : motions) {
-      const double rate = rate_in(drawn, one);
-      rest = rest - rate * twist_of(one);
-      between = between + (rate + said_in(table.qd, one.number)) * moved(at, twist_of(one));
-      at = at * by(one, said_in(table.q, one.number));
+  /// Of the joints that say it, a part of their q.
+  void set_said(double part) {
+    for (std::size_t j = 0; j < tables_.size(); ++j) {
+      Across& across = across_[j];
+      for (std::size_t k = 0; k < across.motions.size(); ++k) {
+        const std::size_t number = across.motions[k].number;
+        if (!tables_[j].q.empty() && number != Elementary::in_no_list) across.q[k] = part * tables_[j].q[number];
+      }
     }
-    between = between + moved(parent_by, rest);
-    here.twist = from_parent ? other.twist + between : other.twist - between;
+  }
+
+  const Moved& other_of(const Step& step) const {
+    static const Moved world;
+    const std::optional<std::size_t> other = step.from_parent ? parent_of(*step.joint) : child_of(*step.joint);
+    return other ? moved_[*other] : world;
+  }
+
+  void place() {
+    for (const Step& step : order_) {
+      if (!step.joint) continue;
+      const Frame across = across_[*step.joint].moved();
+      moved_[step.body].by = other_of(step).by * (step.from_parent ? across : inverse(across));
+    }
+  }
+
+  // ---- Loops
+
+  /// The joints of the tree between two bodies.
+  std::vector<std::size_t> way_between(std::optional<std::size_t> from, std::optional<std::size_t> to) const {
+    const auto up = [&](std::optional<std::size_t> body) {
+      std::vector<std::size_t> joints;
+      while (body) {
+        const Step& step = *std::ranges::find(order_, *body, &Step::body);
+        if (!step.joint) break;
+        joints.push_back(*step.joint);
+        body = step.from_parent ? parent_of(*step.joint) : child_of(*step.joint);
+      }
+      return joints;
+    };
+    std::vector<std::size_t> one = up(from);
+    std::vector<std::size_t> two = up(to);
+    while (!one.empty() && !two.empty() && one.back() == two.back()) {
+      one.pop_back();
+      two.pop_back();
+    }
+    one.insert(one.end(), two.begin(), two.end());
+    return one;
+  }
+
+  /// How the child stands against where the joint's motions put it: not at all where the loop is closed.
+  Opening opening(std::size_t joint) const {
+    const std::optional<std::size_t> parent = parent_of(joint);
+    const Frame wanted = (parent ? moved_[*parent].by : Frame{}) * across_[joint].moved();
+    const Frame off = inverse(wanted) * moved_[child_of(joint)].by;
+    const Vec3& anchor = tables_[joint].anchor_m;
+    return {moved(off, anchor) - anchor, rotation_vector_of(off.rotation)};
+  }
+
+  Eigen::VectorXd openings() {
+    place();
+    Eigen::VectorXd all(static_cast<Eigen::Index>(6 * closing_.size()));
+    Eigen::Index at = 0;
+    for (const std::size_t j : closing_) {
+      const Opening open = opening(j);
+      for (const Vec3& part : {open.gap_m, open.turn_rad}) {
+        for (const double x : part) all[at++] = x;
+      }
+    }
+    return all;
+  }
+
+  double& at(const Unknown& unknown) { return across_[unknown.joint].q[unknown.motion]; }
+
+  /// By differences, which are good to ten digits: enough for a step of Newton's method.
+  Eigen::MatrixXd slopes(const std::vector<Unknown>& unknowns) {
+    constexpr double small = 1e-5;
+    Eigen::MatrixXd all(static_cast<Eigen::Index>(6 * closing_.size()), static_cast<Eigen::Index>(unknowns.size()));
+    for (std::size_t i = 0; i < unknowns.size(); ++i) {
+      double& q = at(unknowns[i]);
+      const double here = q;
+      q = here + small;
+      const Eigen::VectorXd after = openings();
+      q = here - small;
+      all.col(static_cast<Eigen::Index>(i)) = (after - openings()) / (2 * small);
+      q = here;
+    }
+    return all;
+  }
+
+  /// The joints' motions that close the loops, from where they are. Returns how well the loops decide
+  /// them: what is near 0 in a line, where they may branch off.
+  double newton(const std::vector<Unknown>& unknowns) {
+    constexpr int most = 30;  // it doubles its digits each time, or does not get there
+    double decided = 0;
+    for (int i = 0; i < most; ++i) {
+      const Eigen::VectorXd open = openings();
+      Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+      solver.setThreshold(1e-7);  // what a planar loop does not decide is 0 but for the differences' rounding
+      solver.compute(slopes(unknowns));
+      const Eigen::Index last = solver.rank() - 1;
+      decided = last < 0 ? 0 : std::fabs(solver.matrixT()(last, last));
+      const Eigen::VectorXd step = -solver.solve(open);
+      for (std::size_t k = 0; k < unknowns.size(); ++k) at(unknowns[k]) += step[static_cast<Eigen::Index>(k)];
+      if (!step.allFinite() || step.norm() < 1e-13) break;
+    }
+    place();
+    return decided;
+  }
+
+  void close(MendedStart& mended) {
+    std::vector<Unknown> unknowns;
+    double farthest = 0;
+    for (const std::size_t j : closing_) {
+      across_[j].follows = true;
+      for (const std::size_t between : way_between(parent_of(j), child_of(j))) across_[between].follows = true;
+    }
+    for (std::size_t j = 0; j < tables_.size(); ++j) {
+      Across& across = across_[j];
+      for (std::size_t k = 0; across.follows && k < across.motions.size(); ++k) {
+        const std::size_t number = across.motions[k].number;
+        if (tables_[j].q.empty() || number == Elementary::in_no_list) {
+          unknowns.push_back({j, k});
+        } else {
+          farthest = std::fmax(farthest, std::fabs(tables_[j].q[number]));
+        }
+      }
+    }
+    // So short that Newton's method stays on the side on which the loop is drawn, and that no line is stepped over
+    // unseen: from 0.01 rad beside it the loop is decided a hundredth as well as across.
+    const int steps = static_cast<int>(std::clamp(std::ceil(farthest / 0.02), 1.0, 1000.0));
+    constexpr double branching = 0.03;
+    double at_first = 0;
+    for (int i = 1; i <= steps; ++i) {
+      set_said(static_cast<double>(i) / steps);
+      if (farthest == 0) {
+        place();
+        break;
+      }
+      const double decided = newton(unknowns);
+      check_closed();
+      if (i == 1) at_first = decided;
+      if (decided >= branching * at_first) continue;
+      throw BadStart(closing_.front(), "",
+                     "closes a loop that q leads through a line, or nearly, where it may branch off; draw it beyond");
+    }
+    tell(unknowns, mended);
+    for (const Unknown& unknown : unknowns) count_from_found(unknown);
+  }
+
+  void check_closed() const {
+    constexpr double closed = 1e-10;  // m and rad: a hundred times what Newton's method leaves
+    for (const std::size_t j : closing_) {
+      const Opening open = opening(j);
+      const double gap_m = length(open.gap_m);
+      const double turn_rad = length(open.turn_rad);
+      if (gap_m < closed && turn_rad < closed) continue;
+      throw BadStart(j, "",
+                     fmt::format("closes a loop that can not be closed with q as they are given: its halves stay "
+                                 "{:.3g} m and {:.3g} rad apart",
+                                 gap_m, turn_rad));
+    }
+  }
+
+  void tell(const std::vector<Unknown>& unknowns, MendedStart& mended) const {
+    double most = 0;
+    for (const Unknown& unknown : unknowns) {
+      const bool slides = across_[unknown.joint].motions[unknown.motion].slides;
+      const double gone = std::fabs(across_[unknown.joint].q[unknown.motion]);
+      double& largest = slides ? mended.moved_m : mended.turned_rad;
+      largest = std::fmax(largest, gone);
+      if (gone <= most) continue;
+      most = gone;
+      mended.joint = tables_[unknown.joint].name;
+    }
+    if (mended.joint.empty()) return;
+    for (const Across& across : across_) mended.q.push_back(across.motions.size() == 1 ? across.q.front() : 0);
+  }
+
+  /// Stops, springs and targets count from as a joint is drawn also where its q was found.
+  void count_from_found(const Unknown& unknown) {
+    const std::size_t number = across_[unknown.joint].motions[unknown.motion].number;
+    Joint& joint = mechanism_.joints[unknown.joint];
+    const double in_file = across_[unknown.joint].q[unknown.motion];
+    const double q = sign_in_files(joint) * in_file;
+    const auto count = [&](auto& driven) {
+      count_from(driven, q);
+      const auto& stop = driven.stop;
+      const bool turns = !across_[unknown.joint].motions[unknown.motion].slides;
+      const double most = turns ? std::numbers::pi : std::numeric_limits<double>::infinity();  // as ODE has it
+      if (!stop || (stop->low <= 0 && stop->high >= 0 && stop->low > -most && stop->high < most)) return;
+      throw BadStart(unknown.joint, stop_keys[number],
+                     fmt::format("must have {:.6g}, where the joint stands once its loop is closed, between its ends{}",
+                                 in_file, turns ? ", and these within half a turn from there" : ""));
+    };
+    if (number == 0 && joint.drives.empty()) count(joint);
+    for (AxisDrive& drive : joint.drives) {
+      if (drive.number == number + 1) count(drive);
+    }
+  }
+
+  // ---- Velocities
+
+  void speed_up() {
+    for (const Step& step : order_) {
+      if (!step.joint) continue;
+      Moved& here = moved_[step.body];
+      const Moved& other = other_of(step);
+      here.touched = other.touched || says(tables_[*step.joint]) || here.by.rotation != Frame{}.rotation ||
+                     here.by.position_m != Vec3{};
+      if (!here.touched) continue;
+      const Twist drawn = step.from_parent ? here.drawn - other.drawn : other.drawn - here.drawn;
+      const Twist between = rates_kept(*step.joint, drawn, step.from_parent ? other.by : here.by);
+      here.twist = step.from_parent ? other.twist + between : other.twist - between;
+    }
+  }
+
+  /// The velocity of a child against its parent, which stands moved.
+  Twist rates_kept(std::size_t joint, const Twist& drawn, const Frame& parent) const {
+    const Across& across = across_[joint];
+    Twist left = drawn;
+    Twist between;
+    Frame carries = parent;
+    for (std::size_t k = 0; k < across.motions.size(); ++k) {
+      const Elementary& one = across.motions[k];
+      const double rate = one.rate_in(drawn);
+      left = left - rate * one.twist();
+      between = between + (rate + said_rate(joint, one)) * moved(carries, one.twist());
+      carries = carries * one.by(across.q[k]);
+    }
+    return between + moved(parent, left);
+  }
+
+  double said_rate(std::size_t joint, const Elementary& one) const {
+    const std::vector<double>& qd = tables_[joint].qd;
+    return qd.empty() || one.number == Elementary::in_no_list ? 0 : qd[one.number];
   }
 
   void write() {
@@ -215,18 +397,17 @@ class Mover {
     const auto frame = [&](const std::optional<std::size_t>& body) -> const Frame& {
       return body ? moved_[*body].by : still;
     };
-    for (Joint& joint : mechanism_.joints) {
-      std::visit(CarryKind{moved_[joint.first].by, frame(joint.second)}, joint.kind);
-    }
+    for (Joint& joint : mechanism_.joints)
+      joint.kind = carried(joint.kind, moved_[joint.first].by, frame(joint.second));
     for (Strut& strut : mechanism_.struts) {
-      strut.first_end_m = place(moved_[strut.first].by, strut.first_end_m);
-      strut.second_end_m = place(frame(strut.second), strut.second_end_m);
+      strut.first_end_m = moved(moved_[strut.first].by, strut.first_end_m);
+      strut.second_end_m = moved(frame(strut.second), strut.second_end_m);
     }
     for (std::size_t i = 0; i < moved_.size(); ++i) {
       const Moved& to = moved_[i];
       if (!to.touched) continue;
       Body& body = mechanism_.bodies[i];
-      body.position_m = place(to.by, body.position_m);
+      body.position_m = moved(to.by, body.position_m);
       if (to.by.rotation != Frame{}.rotation) {
         body.attitude = rotation_vector_of(to.by.rotation * rotation_of_vector(rotation_vector(body.attitude)));
       }
@@ -235,37 +416,78 @@ class Mover {
     }
   }
 
+  /// In loops the rest of the velocities follows from the rates that are said.
+  void hold_rates() {
+    std::vector<HeldRate> held;
+    for (std::size_t j = 0; j < tables_.size(); ++j) {
+      if (tables_[j].qd.empty()) continue;
+      const std::optional<std::size_t> parent = parent_of(j);
+      const Twist drawn = moved_[child_of(j)].drawn - (parent ? moved_[*parent].drawn : Twist{});
+      Frame carries = parent ? moved_[*parent].by : Frame{};
+      for (std::size_t k = 0; k < across_[j].motions.size(); ++k) {
+        const Elementary& one = across_[j].motions[k];
+        if (one.number != Elementary::in_no_list) {
+          held.push_back({j, one.slides, turned(carries.rotation, one.axis), moved(carries, one.at_m),
+                          one.rate_in(drawn) + said_rate(j, one)});
+        }
+        carries = carries * one.by(across_[j].q[k]);
+      }
+    }
+    const auto left = [&](std::size_t j) {
+      const Misfit misfit = misfit_of(mechanism_, mechanism_.joints[j]);
+      return std::fmax(misfit.speed_m_s, misfit.spin_rad_s);
+    };
+    const auto parts = [&] {
+      for (std::size_t j = 0; j < tables_.size(); ++j) {
+        if (left(j) > 1e-3 * allowed_misfit(mechanism_)) return true;
+      }
+      return false;
+    };
+    if (parts() && moved_.size() > most_mended) {
+      throw BadStart(
+          closing_.front(), "",
+          fmt::format("closes a loop among {} bodies; rates that loops have to follow are found of at most {}",
+                      moved_.size(), most_mended));
+    }
+    for (int twice = 0; twice < 2 && parts(); ++twice) mend_velocities(mechanism_, held);
+    for (const HeldRate& one : held) {
+      const double off = std::fabs(rate_of(mechanism_, one) - one.rate);
+      if (off > allowed_misfit(mechanism_)) {
+        throw BadStart(
+            one.joint, "qd",
+            fmt::format("can not be had beside the other rates of its loop: {:.3g} of it is left over", off));
+      }
+    }
+    for (const std::size_t j : closing_) {
+      if (left(j) <= allowed_misfit(mechanism_)) continue;
+      throw BadStart(
+          j, "",
+          fmt::format("closes a loop that does not move with qd as they are given: its halves part by {:.3g}",
+                      left(j)));
+    }
+  }
+
   Mechanism& mechanism_;
   const std::vector<JointTable>& tables_;
   std::vector<Moved> moved_;
-  std::vector<std::size_t> queue_;
-  std::size_t next_ = 0;
+  std::vector<bool> in_tree_;  // of each joint
+  std::vector<std::size_t> closing_;
+  std::vector<Across> across_;
+  std::vector<Step> order_;
 };
 
 }  // namespace
 
-bool moves_at_start(const Description& said) {
-  return std::ranges::any_of(said.joints,
-                             [](const JointTable& joint) { return !joint.q.empty() || !joint.qd.empty(); });
+MendedStart bring_to_start(Mechanism& mechanism, const Description& said) {
+  MendedStart mended;
+  mend_drawn_velocities(mechanism, mended);
+  if (!std::ranges::any_of(said.joints, says)) return mended;
+  const MendedStart closed = Mover(mechanism, said.joints).run();
+  mended.turned_rad = closed.turned_rad;
+  mended.moved_m = closed.moved_m;
+  mended.joint = closed.joint;
+  mended.q = closed.q;
+  return mended;
 }
-
-std::optional<std::size_t> closes_a_loop(const Description& said) {
-  std::vector<std::size_t> leader(said.bodies.size() + 1);
-  std::iota(leader.begin(), leader.end(), std::size_t{0});
-  const auto leader_of = [&](const std::string& name) {
-    std::size_t member = said.body_named(name).value_or(said.bodies.size());
-    while (leader[member] != member) member = leader[member];
-    return member;
-  };
-  for (std::size_t j = 0; j < said.joints.size(); ++j) {
-    const std::size_t from = leader_of(said.joints[j].parent);
-    const std::size_t to = leader_of(said.joints[j].child);
-    if (from == to) return j;
-    leader[from] = to;
-  }
-  return std::nullopt;
-}
-
-void move_to_start(Mechanism& mechanism, const Description& said) { Mover(mechanism, said.joints).run(); }
 
 }  // namespace odeval

@@ -104,6 +104,32 @@ std::string friction_line(const std::vector<RunSummary>& runs, const Reference& 
          " may have another law: what of their errors is that law is not known, and is no fault of theirs\n";
 }
 
+template <class Value>
+Value setting_of(const Definition& definition, std::string_view key) {
+  const auto found = std::ranges::find(definition, key, &Definition::value_type::first);
+  return found == definition.end() ? Value{} : std::get<Value>(found->second);
+}
+
+/// What was changed of a start that the file's joints do not allow as it is said.
+std::string start_lines(const Definition& definition) {
+  std::string text;
+  if (const auto body = setting_of<std::string>(definition, "changed_at_start.body"); !body.empty()) {
+    text += fmt::format(
+        "start      velocities changed by up to {} m/s and spins by {} rad/s, most of '{}': the nearest "
+        "that all joints allow\n",
+        three_digits(setting_of<double>(definition, "changed_at_start.velocity")),
+        three_digits(setting_of<double>(definition, "changed_at_start.spin")), body);
+  }
+  if (const auto joint = setting_of<std::string>(definition, "closed_at_start.joint"); !joint.empty()) {
+    text += fmt::format(
+        "start      loops closed from q by joints that turned by up to {} rad and slid by {} m, most "
+        "'{}'\n",
+        three_digits(setting_of<double>(definition, "closed_at_start.turn")),
+        three_digits(setting_of<double>(definition, "closed_at_start.way")), joint);
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string run_report(const std::vector<RunSummary>& runs, std::span<const double> ns_per_step,
@@ -135,6 +161,7 @@ std::string run_report(const std::vector<RunSummary>& runs, std::span<const doub
     text += fmt::format("           itself unknown to {:g} rad from t = {:g} s: nothing is called lost after that\n",
                         divergence_rad, *lost);
   }
+  text += start_lines(scenario.definition);
   text += spring_line(scenario, grid.step_s);
   text += bounce_line(runs);
   text += friction_line(runs, reference);
