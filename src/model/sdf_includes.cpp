@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "model/one_line.hpp"
@@ -77,6 +79,38 @@ std::optional<Element> find_child(std::string_view text, std::string_view name, 
   return std::nullopt;
 }
 
+/// The attribute of the outermost element; empty without one.
+std::string_view version_of(std::string_view text) {
+  const std::optional<Element> sdf = find_element(text, "sdf");
+  if (!sdf) return "";
+  const std::string_view tag = text.substr(sdf->begin, sdf->inside - sdf->begin);
+  const std::size_t name = tag.find("version");
+  const std::size_t open = name == std::string_view::npos ? name : tag.find_first_of("\"'", name);
+  if (open == std::string_view::npos) return "";
+  return tag.substr(open + 1, tag.find(tag[open], open + 1) - open - 1);
+}
+
+/// How an axis is told: until 1.4 along the model's axes; then along the joint's, until 1.6 with a word for those of
+/// the model, that later versions do not know.
+enum class AxesOf { model, joint_or_model, any_frame };
+AxesOf axes_of(std::string_view version) {
+  std::pair<int, int> number{};
+  const std::size_t dot = std::min(version.find('.'), version.size());
+  std::from_chars(version.data(), version.data() + dot, number.first);
+  if (dot < version.size()) std::from_chars(version.data() + dot + 1, version.data() + version.size(), number.second);
+  if (number <= std::pair(1, 4)) return AxesOf::model;
+  return number <= std::pair(1, 6) ? AxesOf::joint_or_model : AxesOf::any_frame;
+}
+
+/// Whether a model's axes would be others in a file of that version.
+bool turns_axes(std::string_view model, std::string_view version, std::string_view into) {
+  const AxesOf from = axes_of(version);
+  const AxesOf to = axes_of(into);
+  if (from == to || !find_element(model, "axis")) return false;
+  if (from == AxesOf::model || to == AxesOf::model) return true;
+  return find_element(model, "use_parent_model_frame").has_value();
+}
+
 class Includes {
  public:
   std::string of(const fs::path& file, std::string_view said) {
@@ -85,10 +119,11 @@ class Includes {
       fail(file, "include", fmt::format("more than {} files stand within one another", deepest));
     open_.push_back(fs::weakly_canonical(file));
     std::string text = without_comments(std::string(said));
+    const std::string version(version_of(text));
     for (std::size_t at = 0;;) {
       const std::optional<Element> include = find_element(text, "include", at);
       if (!include) break;
-      const std::string model = included(file, text.substr(include->begin, include->end - include->begin));
+      const std::string model = included(file, version, text.substr(include->begin, include->end - include->begin));
       text.replace(include->begin, include->end - include->begin, model);
       at = include->begin + model.size();
     }
@@ -139,7 +174,7 @@ class Includes {
          "there is no such file, and no folder with a model.sdf, in the folder of this file or the one above");
   }
 
-  std::string included(const fs::path& from, const std::string& include) {
+  std::string included(const fs::path& from, const std::string& into, const std::string& include) {
     require_known(from, include);
     const std::string uri = child(include, "uri").value_or("");
     const fs::path file = file_of(from, uri);
@@ -152,6 +187,11 @@ class Includes {
     const std::size_t end = text.rfind("</model>");
     if (begin == std::string::npos || end == std::string::npos || end < begin) fail(file, "model", "is missing");
     std::string model = text.substr(begin, end + 8 - begin);
+    if (const std::string_view version = version_of(text); turns_axes(model, version, into)) {
+      fail(from, "include.uri = \"" + uri + "\"",
+           fmt::format("is SDFormat {} and this file {}, which tell the axes of joints otherwise; write both in one",
+                       one_line(version, 20), one_line(into, 20)));
+    }
     if (const auto name = child(include, "name")) rename(from, model, *name);
     if (const auto pose = find_element(include, "pose", 1)) {
       put(model, "pose", include.substr(pose->begin, pose->end - pose->begin));

@@ -8,7 +8,8 @@ namespace odeval {
 
 /// The text with the model in the place of each <include>, under the name and pose that this gives it; without one as
 /// it is. A uri names a file or a model's folder (its model.sdf), with model:// or without, below the file's folder or
-/// the one above. Throws UserError, naming the file and the uri, when there is none or it includes itself.
+/// the one above. Throws UserError, naming the file and the uri, when there is none, when it includes itself, or
+/// when its version of SDFormat tells axes of joints otherwise than that of the file.
 std::string with_includes(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace odeval

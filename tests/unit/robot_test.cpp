@@ -314,6 +314,36 @@ void a_model_stands_by_its_placement_frame() {
   CHECK_EQUAL(told(imported, "links without <mass>"), 1u);
 }
 
+/// A model that is included keeps its axes, or is refused: until 1.4 they lie along those of the model, later along the
+/// joint's.
+void an_included_model_keeps_its_axes() {
+  const test::TemporaryFolder folder;
+  const auto write = [&](const char* name, const std::string& text) { std::ofstream(folder.path() / name) << text; };
+  const auto axis_of_model = [&](const char* of_model, const char* of_world, const char* word) {
+    write("part.sdf", std::string("<sdf version=\"") + of_model + R"("><model name="part">
+      <link name="a"><inertial><mass>1</mass></inertial></link>
+      <link name="b"><pose>0 0 1 0 0 1.5707963267948966</pose><inertial><mass>1</mass></inertial></link>
+      <joint name="j" type="revolute"><parent>a</parent><child>b</child><axis><xyz>1 0 0</xyz>)" +
+                          word + "</axis></joint></model></sdf>");
+    write("world.sdf", std::string("<sdf version='") + of_world +
+                           "'><world name='w'><include><uri>part.sdf</uri></include></world></sdf>");
+    const Imported imported = import_robot(folder.path() / "world.sdf", {});
+    return std::get<HingeJoint>(joint(scenario_of(imported, "world.sdf"), "j").kind).axis;
+  };
+  const char* const in_model = "<use_parent_model_frame>1</use_parent_model_frame>";
+  const char* const refused = "which tell the axes of joints otherwise; write both in one";
+  constexpr double rounding = 1e-15;  // of a quarter turn's sine and cosine
+  check_near(axis_of_model("1.4", "1.4", ""), {1, 0, 0}, rounding);
+  check_near(axis_of_model("1.5", "1.6", in_model), {1, 0, 0}, rounding);
+  check_near(axis_of_model("1.6", "1.9", ""), {0, 1, 0}, rounding);
+  check_near(axis_of_model("1.9", "1.7", ""), {0, 1, 0}, rounding);
+  CHECK_THROWS(axis_of_model("1.4", "1.9", ""), UserError,
+               "include.uri = \"part.sdf\": is SDFormat 1.4 and this file 1.9");
+  CHECK_THROWS(axis_of_model("1.4", "1.6", ""), UserError, refused);
+  CHECK_THROWS(axis_of_model("1.7", "1.4", ""), UserError, refused);
+  CHECK_THROWS(axis_of_model("1.6", "1.7", in_model), UserError, refused);
+}
+
 /// Rounding of sums over a few bodies: 3e-14 measured. Of the mistakes below the least shows as 1e-6.
 constexpr double rounded = 1e-12;
 
@@ -509,6 +539,7 @@ int main() {
     a_world_is_what_its_file_says();
     frames_are_followed();
     a_model_stands_by_its_placement_frame();
+    an_included_model_keeps_its_axes();
     a_right_import_is_proved("world.sdf", world);
     a_mistake_of_the_importer_is_caught("world.sdf", world);
   }
