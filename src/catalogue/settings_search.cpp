@@ -26,9 +26,18 @@ constexpr double for_first_turns = 0.5;       // of those that are left, for a f
 constexpr int passes = 2;                     // over the settings, one after the other
 constexpr long rows_of_references = 300'000;  // that are kept: some 100 MB
 
-// CPU time of a QuickStep beside its iterations, in iterations: 8 of a double pendulum, 7 of an arm of three links, 10
-// of a sliding box (ODE 0.16.2).
-constexpr double beside_iterations = 8;
+/// What a step costs beside a solver's iterations, in iterations.
+struct Iterated {
+  std::string_view key;
+  double beside;
+  int (*own)(const Scenario&);
+};
+// QuickStep's: 8 of a double pendulum, 7 of an arm of three links, 10 of a sliding box (ODE 0.16.2). Bullet's, from 10,
+// 110 and 1010 iterations: 30 of a double pendulum and some 25 of a sliding box of constraints, 17 of the box in joint
+// coordinates (3.24).
+constexpr std::array iterated{
+    Iterated{"ode.iterations", 8, [](const Scenario& scenario) { return scenario.ode.iterations; }},
+    Iterated{"bullet.iterations", 25, [](const Scenario& scenario) { return scenario.bullet.iterations; }}};
 
 Recommended::Kind kind_of(const Method& method) {
   if (is_plain_ode(method.name)) return Recommended::Kind::plain_ode;
@@ -138,7 +147,7 @@ std::vector<Searched> MethodSearch::what_to_search() const {
     const auto is_given = [&](const Override& setting) { return overlap(setting.key, row.key); };
     const bool spring = is_of_spring(row.key) && (scenario_.ode.spring || joints_are_springs(scenario_));
     if (spring || !reads(method_, row.key, scenario_) || std::ranges::any_of(search_.settings_, is_given)) continue;
-    Searched one{std::string(row.key), row.together, row.own(scenario_.ode), {}};
+    Searched one{std::string(row.key), row.together, row.own(scenario_), {}};
     one.values.push_back(one.own);
     for (const std::string_view value : row.values) {
       if (value != one.own) one.values.emplace_back(value);
@@ -150,11 +159,12 @@ std::vector<Searched> MethodSearch::what_to_search() const {
 
 /// Over that of a step with the scenario's own settings.
 double MethodSearch::cost_of_step(const std::vector<Change>& changes) const {
-  if (!reads(method_, "ode.iterations", scenario_)) return 1;
-  const auto changed = std::ranges::find(changes, "ode.iterations", &Change::key);
-  const double own = scenario_.ode.iterations;
-  const double now = changed == changes.end() ? own : std::stod(changed->value);
-  return (beside_iterations + now) / (beside_iterations + own);
+  for (const Iterated& one : iterated) {
+    const auto changed = std::ranges::find(changes, one.key, &Change::key);
+    if (changed == changes.end()) continue;
+    return (one.beside + std::stod(changed->value)) / (one.beside + one.own(scenario_));
+  }
+  return 1;
 }
 
 std::shared_ptr<const Reference> SettingsSearch::reference_for(const Scenario& scenario) {
