@@ -249,7 +249,7 @@ class Mover {
   double newton(const std::vector<Unknown>& unknowns) {
     constexpr int most = 30;  // it doubles its digits each time, or does not get there
     double decided = 0;
-    for (int i = 0; i < most; ++i) {
+    for (int i = 0; i < most && !unknowns.empty(); ++i) {
       const Eigen::VectorXd open = openings();
       Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
       solver.setThreshold(1e-7);  // what a planar loop does not decide is 0 but for the differences' rounding

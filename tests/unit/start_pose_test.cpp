@@ -340,6 +340,11 @@ void loops_that_do_not_close() {
   refused(closed(four_bar("q = 0.1\n", "q = 0.1\n")),
           "joints.2 closes a loop that can not be closed with q as they are given");
   refused(closed(four_bar("qd = 1\n", "qd = 1\n")), "joints.0.qd can not be had beside the other rates of its loop");
+  // Nothing that could follow.
+  refused(head + body("one", "[0, 0, 1]") + body("two", "[0, 0, 0.5]") +
+              joint("hinge", "world", "one", "axis = [0, 1, 0]\nq = 0.3\n") + joint("fixed", "one", "two", "") +
+              joint("fixed", "world", "two", "anchor = [0, 0, 0.5]\n"),
+          "joints.2 closes a loop that can not be closed with q as they are given: its halves stay");
   // A parallelogram that would lie down in a line on its way.
   const std::string flat = head + bar("crank", {0, 0, 0}, 0.3, 1) + bar("rocker", {0.6, 0, 0}, 0.3, 1) +
                            bar("coupler", {0.3 * std::cos(1.0), 0.3 * std::sin(1.0), 0}, 0.6, 0) +
