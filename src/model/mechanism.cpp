@@ -136,7 +136,10 @@ Joint alone(const Joint& joint, const AxisDrive& drive) {
   return one;
 }
 
-bool Joint::sampled() const { return std::ranges::any_of(controllers, &Controller::sampled); }
+bool Joint::sampled() const {
+  const auto any = [](const auto& one) { return std::ranges::any_of(one.controllers, &Controller::sampled); };
+  return any(*this) || std::ranges::any_of(drives, any);
+}
 
 double Joint::steady_load(double t, double q, double rate) const {
   double load = 0;

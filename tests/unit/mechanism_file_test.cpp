@@ -356,6 +356,8 @@ void what_acts_on_motions() {
   CHECK_EQUAL(second.springs[0].rest, -0.2);
   CHECK_EQUAL(second.springs[1].damping, 0.5);
   CHECK_EQUAL(second.controllers.at(0).target.constant, -0.7);
+  CHECK(joint.sampled());  // of one motion as of a hinge: another step is another motion
+  CHECK(!read(driven_twice + "sampling = \"continuous\"\n").mechanism.joints[2].sampled());
 
   const Definition all = read(driven_twice).definition;
   for (const char* key : {"joints.2.stops2", "joints.2.stop_restitution2", "springs.0.motion", "torques.0.motion",
@@ -371,11 +373,22 @@ void what_acts_on_motions() {
   CHECK_EQUAL(on_world.size(), 1u);
   CHECK(on_world[0].motion == 0 && on_world[0].number == 2);
   CHECK_EQUAL(on_world[0].stop->high, 0.3);
+  // Of pu the way stays the first, and its turns change places.
+  const std::vector<AxisDrive> pu =
+      read(replaced(driven_twice, "kind = \"hinge\"\nparent = \"world\"",
+                    "kind = \"pu\"\naxis2 = [1, 0, 0]\naxis3 = [0, 0, 1]\nstops = [-0.2, 0.1]\nstops2 = [-0.1, 0.3]\n"
+                    "motor3 = {velocity = 2, force = 1}\nparent = \"world\""))
+          .mechanism.joints[0]
+          .drives;
+  CHECK_EQUAL(pu.size(), 3u);
+  CHECK(pu[0].motion == 0 && pu[0].number == 1 && pu[0].stop->high == 0.1);
+  CHECK(pu[1].motion == 2 && pu[1].number == 2 && pu[1].stop->high == 0.3);
+  CHECK(pu[2].motion == 1 && pu[2].number == 3 && pu[2].motor->speed == 2);
 }
 
 void a_signal_over_time() {
-  const Signal table{.constant = 1, .times_s = {1, 2, 4}, .values = {0, 10, -10}};
-  for (const auto& [t, value] : {std::pair{0.0, 1.0}, {1.0, 1.0}, {1.5, 6.0}, {2.0, 11.0}, {3.0, 1.0}, {9.0, -9.0}}) {
+  const Signal table{.constant = 1, .times_s = {1, 2, 4}, .values = {2, 10, -10}};
+  for (const auto& [t, value] : {std::pair{0.0, 3.0}, {1.0, 3.0}, {1.5, 7.0}, {2.0, 11.0}, {3.0, 1.0}, {9.0, -9.0}}) {
     CHECK_NEAR(table.at(t), value, 1e-14);
   }
 }

@@ -344,6 +344,31 @@ void an_included_model_keeps_its_axes() {
   CHECK_THROWS(axis_of_model("1.6", "1.7", in_model), UserError, refused);
 }
 
+/// A joint whose limits leave 0 out starts in their middle, and its link stands there; stops and a spring's rest count
+/// from it.
+void a_start_in_the_middle_is_counted_from() {
+  const std::string text = R"(<sdf version="1.7"><model name="m">
+    <link name="a"><inertial><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial></link>
+    <link name="b"><pose>0 0 2 0 0 0</pose><inertial><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial></link>
+    <joint name="j" type="KIND"><parent>a</parent><child>b</child><axis><xyz>0 1 0</xyz>
+      <limit><lower>0.25</lower><upper>1.25</upper></limit>
+      <dynamics><spring_stiffness>3</spring_stiffness><spring_reference>0.5</spring_reference></dynamics></axis></joint>
+  </model></sdf>)";
+  for (const char* const kind : {"prismatic", "revolute"}) {
+    std::string of_kind = text;
+    of_kind.replace(of_kind.find("KIND"), 4, kind);
+    const Scenario scenario = scenario_of(import_robot("m.sdf", read_robot("m.sdf", of_kind), {}), "m.sdf");
+    const Joint& made = joint(scenario, "j");  // of a against b
+    CHECK_EQUAL(made.stop->low, -0.5);
+    CHECK_EQUAL(made.stop->high, 0.5);
+    CHECK_EQUAL(made.springs.at(0).rest, 0.25);
+    const Body& b = body(scenario, "b");
+    const bool slides = std::holds_alternative<SliderJoint>(made.kind);
+    check_near(b.position_m, {0, slides ? 0.75 : 0.0, 2}, 1e-15);
+    check_near(rotation_vector(b.attitude), {0, slides ? 0.0 : 0.75, 0}, 1e-15);
+  }
+}
+
 /// Rounding of sums over a few bodies: 3e-14 measured. Of the mistakes below the least shows as 1e-6.
 constexpr double rounded = 1e-12;
 
@@ -540,6 +565,7 @@ int main() {
     frames_are_followed();
     a_model_stands_by_its_placement_frame();
     an_included_model_keeps_its_axes();
+    a_start_in_the_middle_is_counted_from();
     a_right_import_is_proved("world.sdf", world);
     a_mistake_of_the_importer_is_caught("world.sdf", world);
   }

@@ -1,6 +1,9 @@
 // Files of bodies with shapes, masses and centres of their own: what becomes of them, and what is refused.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
+#include <numbers>
 #include <string>
 
 #include "tests/check.hpp"
@@ -100,6 +103,30 @@ void several_shapes() {
   // The box about the centre of mass that holds them: the ball that is 0.2 m off reaches the farthest, with its radius.
   CHECK_NEAR(sides_m(body.shape)[0], 2 * (0.2 + 0.1), 1e-15);
   CHECK_NEAR(sides_m(body.shape)[2], 0.2, 1e-15);
+}
+
+/// The tensor of a heavy box that is turned in its body: by a third of a turn about (1, 1, 1), which lays its x, y and
+/// z along the body's y, z and x, and by 30 degrees about z.
+void turned_shapes() {
+  const auto inertia_of = [](const Vec3& turn) {
+    std::array<char, 100> text{};
+    std::snprintf(text.data(), text.size(), "turn = [%.17g, %.17g, %.17g]\n", turn[0], turn[1], turn[2]);
+    return read(std::string(
+                    "problem = \"mechanism\"\nduration = 1\n[[bodies]]\nname = \"b\"\n[[bodies.shapes]]\nmass = 3\n"
+                    "size = [0.1, 0.2, 0.4]\n") +
+                text.data())
+        .mechanism.bodies[0]
+        .inertia_kgm2.value();
+  };
+  const double x = 3 * (0.04 + 0.16) / 12, y = 3 * (0.01 + 0.16) / 12, z = 3 * (0.01 + 0.04) / 12;
+  constexpr double third = 2 * std::numbers::pi / 3 / std::numbers::sqrt3;
+  const std::array<std::array<double, 9>, 2> wanted{
+      {{z, 0, 0, 0, x, 0, 0, 0, y},
+       {(3 * x + y) / 4, (x - y) * std::sqrt(3) / 4, 0, (x - y) * std::sqrt(3) / 4, (x + 3 * y) / 4, 0, 0, 0, z}}};
+  const std::array turned{inertia_of({third, third, third}), inertia_of({0, 0, std::numbers::pi / 6})};
+  for (std::size_t i = 0; i < 2; ++i) {
+    for (std::size_t k = 0; k < 9; ++k) CHECK_NEAR(turned[i][k], wanted[i][k], 1e-16);  // rounding of 0.05 and less
+  }
 }
 
 void check_same(const Body& a, const Body& b) {
@@ -231,6 +258,7 @@ void flags_are_blamed() {
 int main() {
   masses_of_bars();
   several_shapes();
+  turned_shapes();
   shapes_have_all_of_it();
   a_centre_beside_the_shapes();
   bad_shapes();
