@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <set>
+#include <variant>
 
 #include "reference/tree/simbody_numbers.hpp"
 
@@ -213,7 +214,9 @@ void SimbodySystem::set_speed(const Branch& branch, const Chain& chain) {
   const Body& what = mechanism.bodies[branch.body];
   const Body world{};
   const Body& parent = branch.parent ? mechanism.bodies[*branch.parent] : world;
-  const Vec3 anchor = branch.joint ? anchor_m(mechanism.joints[*branch.joint].kind) : what.position_m;
+  const JointKind* const kind = branch.joint ? &mechanism.joints[*branch.joint].kind : nullptr;
+  const bool by_centre = kind == nullptr || std::holds_alternative<PlaneJoint>(*kind);
+  const Vec3 anchor = by_centre ? what.position_m : anchor_m(*kind);
   const auto velocity = [&](const Body& of) { return of.velocity_m_s + cross(of.spin_rad_s, anchor - of.position_m); };
   const SimTK::SpatialVec relative(simbody(what.spin_rad_s - parent.spin_rad_s),
                                    simbody(velocity(what) - velocity(parent)));

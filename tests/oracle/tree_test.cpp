@@ -237,6 +237,23 @@ void told_the_other_way_round() {
 
 // ---- What a tree's reference tells
 
+/// A body in the plane starts at the speed of its centre, wherever its joint has an anchor: it slides on straight.
+void an_anchor_of_the_plane_is_nowhere() {
+  Scenario scenario;
+  scenario.name = "puck";
+  scenario.mechanism.bodies = {{.shape = Box{{0.4, 0.3, 0.2}},
+                                .mass_kg = 1,
+                                .position_m = {1, 0, 0},
+                                .velocity_m_s = {0.3, -0.2, 0},
+                                .spin_rad_s = {0, 0, 2}}};
+  scenario.mechanism.joints = {{.kind = PlaneJoint{}, .first = 0, .second = {}}};
+  const Reference reference = reference::solve_tree(scenario, SampleGrid{0.01, 1, 51});
+  constexpr double rounding = 1e-14;  // of numbers of size 1 over some steps
+  CHECK_NEAR(reference.trace.bodies[0].position[0].back(), 1 + 0.3 * 0.5, rounding);
+  CHECK_NEAR(reference.trace.bodies[0].position[1].back(), -0.2 * 0.5, rounding);
+  CHECK_NEAR(reference.trace.bodies[0].spin[2].back(), 2, rounding);
+}
+
 void refusals() {
   Scenario scenario = grown(1);
   CHECK(reference::is_tree(scenario));
@@ -263,6 +280,7 @@ int main() {
   mistakes_are_seen();
   bound_covers();
   told_the_other_way_round();
+  an_anchor_of_the_plane_is_nowhere();
   refusals();
   return test::verdict();
 }

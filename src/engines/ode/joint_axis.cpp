@@ -62,8 +62,10 @@ struct FindWay {
   double operator()(const PlaneJoint&) const {
     const dBodyID body = dJointGetBody(joint, 0);
     if (motion < 2) return dBodyGetPosition(body)[motion];
-    const dReal* const turned = dBodyGetRotation(body);  // rows of four; only about z
-    return std::atan2(turned[4] - turned[1], turned[0] + turned[5]);
+    // Rows of four; only about z. Its own x and y turn with it, and so does what half of the second turned back by a
+    // right angle adds to the first: nothing alone where one of them stands, or their sum where it lies on its back.
+    const dReal* const turned = dBodyGetRotation(body);
+    return std::atan2(turned[4] - turned[1] / 2, turned[0] + turned[5] / 2);
   }
   template <class Other>
   double operator()(const Other&) const {
