@@ -356,6 +356,11 @@ const std::vector<Case> cases_of_contacts{
      {},
      {"ode.erp=0.2,0.5", "limit=\"springs\",\"numbers\""}},  // of what may need ODE's own limit as its reference
     {"", "bodies.2.shapes.0.size=[0.1,0.1,0.1]", {"bodies.2.shapes.0.shape=\"box\",\"sphere\""}, {}},
+    {"", "contacts.0.cfm=1e-6", {}, {}, {"contacts.0.erp=0.2,0.5"}},
+    {"", "contacts.0.erp=0.2", {}, {}, {"contacts.0.cfm=1e-6,1e-7"}},
+    {"", "contacts.0={between=[\"ball\", \"floor\"], kd=10.0}", {"contacts.0.kp=1e4,2e4"}, {}},
+    {"", "contacts.0={between=[\"ball\", \"floor\"], kp=1e4}", {"contacts.0.kd=10.0,20.0"}, {}},
+    {"", "", {}, {}, {"bodies.2.shapes.0.name=\"one\",\"two\""}},
     // What rubs has ODE's own limit as its reference, which everything moves.
     {"", "contacts.0.friction=0.1", {"limit=\"springs\",\"numbers\"", "ode.erp=0.2,0.5"}, {}},
 };
