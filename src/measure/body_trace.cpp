@@ -63,26 +63,36 @@ struct Reach {
   }
 };
 
-/// How deep a body's shapes are in what lies below the plane.
-double overlap_of(const Body& what, const BodyState& body, const HalfSpace& plane) {
-  const auto overlap = [&](const Shape& shape, const Rotation& rotation, const Vec3& centre) {
-    return std::visit(Reach{rotation, plane.normal}, shape) - (dot(plane.normal, centre) - plane.offset_m);
-  };
-  if (what.several.empty()) return overlap(what.shape, body.rotation, body.position);
-  double deepest = -INFINITY;
-  for (const Part& part : what.several) {
-    const Frame place = Frame{body.position, body.rotation} * part.place;
-    deepest = greater(deepest, overlap(part.shape, place.rotation, place.position_m));
-  }
-  return deepest;
-}
+/// A shape of a body and a plane that contacts let it touch.
+struct Footing {
+  std::size_t body = 0;  // number
+  Part part;
+  HalfSpace plane;
 
-/// The first plane that something stands on; null: none.
-const HalfSpace* ground_of(const Mechanism& mechanism) {
-  for (const Obstacle& obstacle : mechanism.obstacles) {
-    if (const auto* const plane = std::get_if<HalfSpace>(&obstacle.shape)) return plane;
+  /// How deep the shape is in what lies below the plane.
+  double overlap(const BodyState& state) const {
+    const Frame place = Frame{state.position, state.rotation} * part.place;
+    return std::visit(Reach{place.rotation, plane.normal}, part.shape) -
+           (dot(plane.normal, place.position_m) - plane.offset_m);
   }
-  return nullptr;
+};
+
+std::vector<Footing> footings_of(const Mechanism& mechanism) {
+  std::vector<Footing> all;
+  for (const Obstacle& obstacle : mechanism.obstacles) {
+    const auto* const plane = std::get_if<HalfSpace>(&obstacle.shape);
+    if (plane == nullptr) continue;
+    for (std::size_t i = 0; i < mechanism.bodies.size(); ++i) {
+      const Body& body = mechanism.bodies[i];
+      for (const Part& part : body.parts()) {
+        const auto lets = [&](const Contact& contact) {
+          return contact.is_between(body.touches_as(part), obstacle.name);
+        };
+        if (std::ranges::any_of(mechanism.contacts, lets)) all.push_back({i, part, *plane});
+      }
+    }
+  }
+  return all;
 }
 
 template <std::size_t N>
@@ -157,13 +167,13 @@ class BodyReader {
         mechanism_(scenario.mechanism),
         trace_(trace),
         force_of_(scenario.mechanism),
-        ground_(ground_of(scenario.mechanism)),
+        footings_(footings_of(scenario.mechanism)),
         torque_free_(scenario.mechanism.contacts.empty() && scenario.mechanism.joints.empty()),
         start_(mechanism_.bodies.size()) {
     resize_bodies(trace, mechanism_.bodies.size(), rows);
     for (Column* column : {&trace.t, &trace.kinetic, &trace.potential, &trace.contacts}) column->resize(rows);
     if (torque_free_) trace.angular_momentum_drift.resize(rows);
-    if (ground_ != nullptr) trace.penetration.resize(rows);
+    if (!footings_.empty()) trace.penetration.resize(rows);
     if (!mechanism_.joints.empty()) trace.gap.resize(rows);
     trace.long_axis_spin.assign(mechanism_.bodies.size(), Column(rows));
     trace.works.assign(works, Column(rows));
@@ -171,6 +181,9 @@ class BodyReader {
 
   void read(std::size_t k, const ConstSample& sample) {
     for (std::size_t i = 0; i < mechanism_.bodies.size(); ++i) read_body(k, i, sample);
+    for (const Footing& footing : footings_) {
+      trace_.penetration[k] = greater(trace_.penetration[k], footing.overlap(sample.bodies[footing.body]));
+    }
     if (!mechanism_.joints.empty()) trace_.gap[k] = largest_gap(sample.bodies);
     for (std::size_t i = 0; i < trace_.works.size(); ++i) trace_.works[i][k] = sample.works[i];
     trace_.contacts[k] = sample.contacts;
@@ -186,9 +199,6 @@ class BodyReader {
     if (k == 0) start_[i] = turned.momentum;
     if (torque_free_) trace_.angular_momentum_drift[k] += distance(turned.momentum, start_[i]);
     trace_.long_axis_spin[i][k] = spin_along(body, what.long_axis());
-    if (ground_ != nullptr) {
-      trace_.penetration[k] = greater(trace_.penetration[k], overlap_of(what, body, *ground_));
-    }
     store_body(trace_.bodies[i], k, body, force_of_(i, sample.joints));
   }
 
@@ -205,7 +215,7 @@ class BodyReader {
   const Mechanism& mechanism_;
   Trace& trace_;
   ForcesOfBodies force_of_;
-  const HalfSpace* ground_;
+  std::vector<Footing> footings_;
   bool torque_free_;
   std::vector<Vec3> start_;  // angular momenta
   std::vector<JointHalves> halves_;

@@ -13,8 +13,7 @@ namespace {
 void settle_plane(Draft& draft, std::size_t number) {
   PlaneTable& plane = draft.said.planes[number];
   const std::string path = fmt::format("planes.{}", number);
-  if (plane.normal == Vec3{}) draft.fail(path + ".normal", "[0, 0, 0]", "must have a direction");
-  plane.normal = unit(plane.normal);
+  draft.make_unit(path + ".normal", plane.normal);
   const auto same = [&](const PlaneTable& other) { return other.name == plane.name; };
   const bool twice =
       std::ranges::find_if(draft.said.planes, same) - draft.said.planes.begin() != static_cast<std::ptrdiff_t>(number);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <sstream>
 
 #include "model/one_line.hpp"
@@ -58,6 +59,14 @@ void Draft::fail(const std::string& where, const std::string& value, const std::
   const std::string file = one_line(scenario.file);
   throw UserError(value.empty() ? fmt::format("{}: {} {}", file, path, rule)
                                 : fmt::format("{}: {} = {}: {}", file, path, value, rule));
+}
+
+void Draft::make_unit(const std::string& where, Vec3& direction) const {
+  if (direction == Vec3{}) fail(where, "[0, 0, 0]", "must have a direction");
+  double largest = 0;  // squares of what is tiny or huge are no numbers
+  for (const double x : direction) largest = std::fmax(largest, std::fabs(x));
+  for (double& x : direction) x /= largest;
+  direction = unit(direction);
 }
 
 void Draft::refuse(const char* key) const {

@@ -27,6 +27,9 @@ struct Draft {
   [[noreturn]] void fail(const std::string& where, const std::string& value, const std::string& rule,
                          Blame blame = Blame::whole) const;
 
+  /// Of a direction: its unit vector. Fails where it has none.
+  void make_unit(const std::string& where, Vec3& direction) const;
+
   /// Fails for a key or a table that another kind of problem has.
   void refuse(const char* key) const;
   void refuse(const char* section, const char* key) const;

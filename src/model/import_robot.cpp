@@ -164,7 +164,7 @@ class Import {
     }
     if (outside) {
       joint.start = low + (high - low) / 2;
-      robot_.remark("start", "at the middle of the limits, which 0 is outside of",
+      robot_.remark("start", "at the middle of the limits, which 0 is outside of; stops and columns count from there",
                     fmt::format("{} at {:.6g}", joint.name, joint.start));
     }
     const bool turns = joint.kind != Kind::slider;

@@ -114,14 +114,6 @@ void check_struts(const Draft& draft) {
   }
 }
 
-void make_unit(const Draft& draft, std::size_t joint, const char* key, Vec3& axis) {
-  if (axis == Vec3{}) draft.fail(path_of("joints", joint, key), shown(axis), "must have a direction");
-  double largest = 0;  // squares of what is tiny or huge are no numbers
-  for (const double x : axis) largest = std::fmax(largest, std::fabs(x));
-  for (double& x : axis) x /= largest;
-  axis = unit(axis);
-}
-
 struct NamedAxis {
   const char* key;
   Vec3& axis;
@@ -130,7 +122,7 @@ struct NamedAxis {
 /// The second one, against the first, which is a unit one.
 void make_right_angle(const Draft& draft, std::size_t joint, const NamedAxis& first, const NamedAxis& second) {
   const Vec3 said = second.axis;
-  make_unit(draft, joint, second.key, second.axis);
+  draft.make_unit(path_of("joints", joint, second.key), second.axis);
   constexpr double rounding = 1e-6;  // of the numbers in a file
   const double along = dot(first.axis, second.axis);
   if (std::fabs(along) > rounding) {
@@ -149,12 +141,12 @@ void settle_axes(Draft& draft, std::size_t number) {
     draft.fail(path_of("joints", number, key), "",
                fmt::format("has no meaning for kind {}; remove it", joint.kind->word));
   }
-  if (joint.kind->axes > 0) make_unit(draft, number, "axis", joint.axis);
+  if (joint.kind->axes > 0) draft.make_unit(path_of("joints", number, "axis"), joint.axis);
   if (joint.kind->axes < 2) return;
   if (joint.kind->axes == 2) {
     make_right_angle(draft, number, {"axis", joint.axis}, {"axis2", joint.axis2});
   } else {
-    make_unit(draft, number, "axis2", joint.axis2);
+    draft.make_unit(path_of("joints", number, "axis2"), joint.axis2);
     make_right_angle(draft, number, {"axis2", joint.axis2}, {"axis3", joint.axis3});
   }
 }

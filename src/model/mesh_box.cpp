@@ -60,8 +60,8 @@ std::vector<fs::path> candidates(const fs::path& robot, const std::string& mesh)
 class Box {
  public:
   void add(const Vec3& point) {
+    if (!std::ranges::all_of(point, [](double x) { return std::isfinite(x); })) return;
     for (std::size_t k = 0; k < 3; ++k) {
-      if (!std::isfinite(point[k])) return;
       low_[k] = std::fmin(low_[k], point[k]);
       high_[k] = std::fmax(high_[k], point[k]);
     }

@@ -77,6 +77,15 @@ void columns() {
   CHECK(grounded.gap.empty() && !grounded.penetration.empty() && grounded.angular_momentum_drift.empty());
   CHECK_EQUAL(grounded.penetration[0], 0.0);
   CHECK_NEAR(grounded.penetration[1], 0.25, rounding);  // half the box is 1.5 m high
+  // A foot of 0.2 m at its lower end, which contacts name alone: the rest of the body hangs through. A second plane,
+  // 0.3 m higher, that nothing names.
+  Body& box = scenario.mechanism.bodies[0];
+  box.name = "leg";
+  box.several = {{box.shape, Frame{}, ""}, {Sphere{0.2}, {{0, 0, -1.2}, Frame{}.rotation}, "foot"}};
+  scenario.mechanism.obstacles.push_back({HalfSpace{.normal = {0, 0, 1}, .offset_m = 0.3}, "shelf"});
+  scenario.mechanism.contacts[0].first = "leg.foot";
+  scenario.mechanism.contacts[0].second = "ground";
+  CHECK_NEAR(body_trace(scenario, grid, motion).penetration[1], 0.05, rounding);
 }
 
 void errors() {

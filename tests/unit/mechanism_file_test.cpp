@@ -440,7 +440,7 @@ void bad_drives() {
 
 const std::string touching = driven + R"([[planes]]
 name = "wall"
-normal = [3, 0, 4]
+normal = [3e-200, 0, 4e-200]
 point = [1, 2, 3]
 [[contacts]]
 between = ["wall", "ball"]
@@ -470,7 +470,7 @@ void bad_contacts() {
   const auto wrong = [](const char* what, const char* with, const char* message) {
     refused(replaced(touching, what, with), message);
   };
-  wrong("normal = [3, 0, 4]", "normal = [0, 0, 0]", "planes.0.normal = [0, 0, 0]: must have a direction");
+  wrong("normal = [3e-200, 0, 4e-200]", "normal = [0, 0, 0]", "planes.0.normal = [0, 0, 0]: must have a direction");
   wrong("name = \"wall\"", "name = \"ball\"", "planes.0.name = ball: is the name of something else as well");
   wrong("name = \"wall\"\n", "", "planes.0.name is missing");
   wrong("[\"wall\", \"ball\"]", "[\"wall\", \"bell\"]",
