@@ -29,12 +29,15 @@ void check_softness_of_contacts(const Draft& draft) {
     const auto fail = [&](const char* key, const std::string& rule) {
       draft.fail(joined(path, key), shown(*table.get(key)), rule);
     };
+    for (const char* key : {"erp", "cfm"}) {
+      const bool both = table.contains(key) && (table.contains("kp") || table.contains("kd"));
+      if (both) fail(key, "says the same as kp and kd; give one pair or the other");
+    }
     for (const auto& [key, other] :
          {std::pair{"erp", "cfm"}, std::pair{"cfm", "erp"}, std::pair{"kp", "kd"}, std::pair{"kd", "kp"}}) {
       if (table.contains(key) && !table.contains(other)) fail(key, fmt::format("needs {} beside it", other));
     }
     if (!contact.spring) continue;
-    if (contact.softness) fail("erp", "says the same as kp and kd; give one pair or the other");
     if (table.contains("restitution")) {
       fail("restitution", "has no effect beside kp and kd, which make what a bounce gives back; remove it");
     }

@@ -147,6 +147,8 @@ void bad_softness() {
   not_so("kd = 20\n", "", "contacts.0.kp = 3000: needs kd beside it");
   not_so("erp = 0.3\n", "", "contacts.1.cfm = 0.01: needs erp beside it");
   not_so("cfm = 0.01\n", "", "contacts.1.erp = 0.3: needs cfm beside it");
+  not_so("kd = 20\n", "kd = 20\nerp = 0.2\n",
+         "contacts.0.erp = 0.2: says the same as kp and kd; give one pair or the other");
   not_so("erp = 0.3\n", "erp = 0.3\nkp = 100\nkd = 1\n",
          "contacts.1.erp = 0.3: says the same as kp and kd; give one pair or the other");
   not_so(
