@@ -100,7 +100,7 @@ class Bench {
     bool kept = false;  // the budget, where something hits something at the settings nearby as well
   };
 
-  /// What is told of a setting: where something hits something it is chance at which place of a step, and the largest
+  /// What is told of a setting. Chance decides at which place of a step something hits something: there the largest
   /// error of the settings nearby counts (keeping.hpp).
   Run largest(const Way& way, double setting) const {
     return worst_nearby(way, setting, run(way, setting), [](const Run&) { return false; });

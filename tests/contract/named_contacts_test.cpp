@@ -8,12 +8,14 @@
 
 #include "measure/body_trace.hpp"
 #include "tests/check.hpp"
-#include "tests/recorded.hpp"
+#include "tests/contract/moved.hpp"
 #include "tests/scenarios.hpp"
 
 namespace {
 
 using namespace odeval;
+using test::moved;
+using test::on_a_floor;
 
 constexpr double g = 9.81;
 
@@ -34,26 +36,6 @@ struct Stepper {
 constexpr std::array steppers{
     Stepper{"ode-step-double", 2e-3, 1e-12, 0}, Stepper{"ode-quickstep-double", 2e-2, 2e-10, height_m},
     Stepper{"ode-step-single", 2e-3, 1e-4, 0}, Stepper{"ode-rk4-double", 1e-6, 1e-9, height_m}};
-
-Motion moved(const Scenario& scenario, const char* method) {
-  const catalogue::Method& row = catalogue::find_method(method);
-  CHECK(catalogue::does(row, scenario));
-  test::Recorded run = test::recorded(row.make, scenario, sample_grid(scenario));
-  CHECK(!run.outcome.diverged);
-  CHECK_EQUAL(run.motion.size(), static_cast<std::size_t>(sample_grid(scenario).rows));
-  return std::move(run.motion);
-}
-
-Scenario on_a_floor(double duration_s) {
-  Scenario scenario;
-  scenario.name = scenario.file = "named";
-  scenario.named = true;
-  scenario.step_s = 1e-3;
-  scenario.duration_s = duration_s;
-  scenario.gravity = g;
-  scenario.mechanism.obstacles = {{HalfSpace{}, "floor"}};
-  return scenario;
-}
 
 // Friction by shape ------------------------------------------------------------------------------------------------
 

@@ -8,12 +8,13 @@
 #include "measure/body_trace.hpp"
 #include "model/read_scenario.hpp"
 #include "tests/check.hpp"
-#include "tests/recorded.hpp"
+#include "tests/contract/moved.hpp"
 #include "tests/scenarios.hpp"
 
 namespace {
 
 using namespace odeval;
+using test::moved;
 
 constexpr double step_s = 1e-3;
 
@@ -36,15 +37,6 @@ Scenario weightless(int steps) {
   scenario.gravity = 0;
   scenario.ode.cfm = 0;
   return scenario;
-}
-
-Motion moved(const Scenario& scenario, const char* method) {
-  const catalogue::Method& row = catalogue::find_method(method);
-  CHECK(catalogue::does(row, scenario));
-  test::Recorded run = test::recorded(row.make, scenario, sample_grid(scenario));
-  CHECK(!run.outcome.diverged);
-  CHECK_EQUAL(run.motion.size(), static_cast<std::size_t>(sample_grid(scenario).rows));
-  return std::move(run.motion);
 }
 
 // A wheel: a box that turns about an axis through its centre, so that the hinge's rows have nothing to do. The axis is

@@ -12,12 +12,14 @@
 #include "measure/body_trace.hpp"
 #include "reference/tree/contact_points.hpp"
 #include "tests/check.hpp"
-#include "tests/recorded.hpp"
+#include "tests/contract/moved.hpp"
 #include "tests/scenarios.hpp"
 
 namespace {
 
 using namespace odeval;
+using test::moved;
+using test::on_a_floor;
 
 constexpr double g = 9.81;
 constexpr double radius_m = 0.1;
@@ -40,27 +42,8 @@ bool is_here(const Stepper& stepper) {
 }
 bool is_ode(const Stepper& stepper) { return std::string_view(stepper.method).starts_with("ode"); }
 
-Motion moved(const Scenario& scenario, const char* method) {
-  const catalogue::Method& row = catalogue::find_method(method);
-  CHECK(catalogue::does(row, scenario));
-  test::Recorded run = test::recorded(row.make, scenario, sample_grid(scenario));
-  CHECK(!run.outcome.diverged);
-  return std::move(run.motion);
-}
-
 Body ball(const char* name, double x, double mass_kg) {
   return {.shape = Sphere{2 * radius_m}, .mass_kg = mass_kg, .position_m = {x, 0, radius_m}, .name = name};
-}
-
-Scenario on_a_floor(double duration_s) {
-  Scenario scenario;
-  scenario.name = scenario.file = "soft";
-  scenario.named = true;
-  scenario.step_s = 1e-3;
-  scenario.duration_s = duration_s;
-  scenario.gravity = g;
-  scenario.mechanism.obstacles = {{HalfSpace{}, "floor"}};
-  return scenario;
 }
 
 Contact sprung(const char* name, const Spring& spring) { return {.first = name, .second = "floor", .spring = spring}; }

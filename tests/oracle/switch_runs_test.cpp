@@ -1,5 +1,8 @@
 // "Should I switch?" where something hits something: the step that it tells of a way keeps the error at other steps
 // nearby, of which it tried none, and what keeps it by luck is not told.
+#include <algorithm>
+#include <cmath>
+
 #include "catalogue/evaluation.hpp"
 #include "catalogue/keeping.hpp"
 #include "catalogue/paths.hpp"
@@ -45,6 +48,12 @@ int breaking(const Stage& stage, const Scenario& file, const Way& way, double st
   return broken;
 }
 
+std::size_t half_step_of(const Result& result) {
+  const auto found =
+      std::ranges::find_if(result.ways, [](const Way& way) { return way.settings.starts_with("half-step"); });
+  return static_cast<std::size_t>(found - result.ways.begin());
+}
+
 }  // namespace
 
 int main() {
@@ -70,5 +79,15 @@ int main() {
   CHECK(error_of(stage, file, plain, lucky_s, 1) <= stage.budget);
   CHECK(breaking(stage, file, plain, lucky_s) > 0);
   CHECK(result.tried.front().setting < lucky_s);
+  // At equal step the largest error of the steps nearby is told: ERP 0.8 and the half-step start do well at 1 ms
+  // itself.
+  for (const std::size_t i : {std::size_t{0}, half_step_of(result)}) {
+    double largest = error_of(stage, file, result.ways[i], equal_step_s, 1);
+    for (const double percent : catalogue::nearby_percents) {
+      largest = std::fmax(largest, error_of(stage, file, result.ways[i], equal_step_s, catalogue::moved(1, percent)));
+    }
+    CHECK_NEAR(result.tried[i].error_at_ms.error, largest, 1e-12);
+    CHECK(largest > 1.05 * error_of(stage, file, result.ways[i], equal_step_s, 1));
+  }
   return test::verdict();
 }
